@@ -36,7 +36,8 @@ class MemberHydrostatics(PlatformLoad):
     pressure of the waves, which the excitation of a database and Morison's inertia contain; that is refused.
     With `under_waves` the water is the plane that touches the sea at the place of the frame at rest, and the pressure
     below it that of water at rest: for waves that are long against width and draft, since it does not fade with depth.
-    Geometry is data of a run: a run takes other diameters, but there are no derivatives by them.
+    Geometry is data of a run: a run takes other diameters. Its `sensitivities` to them come from two surfaces beside
+    it, and `Design` takes differences; `gradient` has no derivative by what moves the surface, and says so.
     Source: see the module `wetted`.
     """
 

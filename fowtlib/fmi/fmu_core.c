@@ -757,11 +757,22 @@ static double fmu_communication_point(fmu_now *n, double h, double *length) {
   return end;
 }
 
+/* Say once that a step of the engine had to be cut. */
+static void fmu_tell_of_cut(fmu_instance *f) {
+  double first, last;
+  int parts;
+  if (fs_cuts(f->engine, &first, &last, &parts))
+    fmu_tell(f, FMU_WARNING, "logStatusWarning", "%s: the step at t = %.6g s was not solved at once and taken in up to %d "
+             "parts, and so will be others. Something changes within a step there, a line that comes taut or a contact; what "
+             "it peaks at has the error of such steps: compare with a run of shorter ones (parameter solver.step).",
+             MODEL_NAME, first, parts);
+}
+
 /* A communication step of length h, through samples and events; checks at the end. *stopped: an importer asked for an early return. */
 static int fmu_do_step(fmu_instance *f, double h, int *stopped) {
   fmu_now *n = &f->now;
   double length, t_end = fmu_communication_point(n, h, &length), begin = n->t, tiny = RULE_TINY * length;
-  int status, any, checked, whole;
+  int status, any, checked, whole, cut = f->engine->count[FS_CUT] > 0;
   *stopped = 0;
   n->reference_step = length;
   while (n->t < t_end - tiny) {
@@ -779,6 +790,7 @@ static int fmu_do_step(fmu_instance *f, double h, int *stopped) {
       break;
     }
   }
+  if (!cut) fmu_tell_of_cut(f);
   checked = fmu_check_point(f);
   return checked == FMU_WARNING ? FMU_OK : checked; /* it has been told */
 }

@@ -50,6 +50,16 @@ def step_failure(dae: FlatDAE, free: list[int], t: float, row: int, not_finite: 
     return f"the equations of the step at t = {t:.6g} s are not solved, furthest of all that of {name}"
 
 
+def cut_steps(count: int, first: float, last: float, parts: int, advice: str) -> str:
+    """What a user should know of steps that were not solved at once; times [s]: of the first and the last one."""
+    one, more = f"the step at t = {first:.6g} s was", f"{count} steps from t = {first:.6g} to {last:.6g} s were"
+    return (
+        f"{one if count == 1 else more} not solved at once and taken in up to {parts} parts. Something changes within "
+        "a step there, a line that comes taut or a contact; what it peaks at has the error of such steps: compare with "
+        f"a run of shorter ones, {advice}."
+    )
+
+
 def not_finite(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:
     """The variable, or the equation, that is the first in the order of computation not to be a finite number."""
     dae = at.dae

@@ -194,7 +194,7 @@ class Run:
             if journal is not None:
                 journal.close()
         self.wall_time = clock.perf_counter() - began
-        for text in self.timeline.missing():
+        for text in [*self.timeline.missing(), *self.engine.remarks()]:
             self.warned[-1 - len(self.warned)] = text
             warnings.warn(text, stacklevel=4)
         return self.result("finished.")

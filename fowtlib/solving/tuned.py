@@ -20,7 +20,7 @@ import numpy as np
 
 from fowtlib.flattening.system import element_names
 from fowtlib.language.component import Component
-from fowtlib.language.declarations import SHAPES, join
+from fowtlib.language.declarations import SHAPES
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.series import Series
@@ -413,14 +413,14 @@ class TunedRun:
             columns = [numbers]
             for k, bound in asked:
                 source = binding.sources.get(bound.path)
-                if source is None:
+                if source is None or source is self.binding.sources.get(bound.path):  # none, or those that do not move
                     columns.append(np.zeros(dae.externals[k].outputs.stop - dae.externals[k].outputs.start))
                 elif isinstance(source, Series):
                     columns.append(np.ravel(source(t)))
                 else:
                     raise ParameterError(
-                        f"there is no derivative by {item.name}: {join(bound.owner, 'field')} is computed when a run "
-                        "starts, as data that have no derivative by it."
+                        f"there is no derivative by {item.name}: {bound.path} is computed when a run starts, as data "
+                        "that have no derivative by it. Take the difference of two values of it."
                     )
             return np.concatenate(columns)
 

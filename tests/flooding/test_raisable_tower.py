@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import fowtlib as fw
 from fowtlib.analysis.lifting import stroke
 from fowtlib.language.errors import ModelError, SimulationError
 
+MODELS = Path(__file__).parents[2] / "models"
 G, RHO = 9.80665, 1025.0
 SHAFT, CYLINDER = math.pi / 4 * 7.0**2, math.pi / 4 * 6.6**2
 LIFTED = 163e3 + 340e3 + 480e3  # cylinder, tower, rotor and nacelle
@@ -301,3 +303,24 @@ def test_it_leans_in_the_wind_as_its_stiffness_says():
     assert pitch == pytest.approx(expected, rel=0.08)
     assert state["platform.latch.force"] == pytest.approx(LIFTED * G * math.cos(pitch), rel=0.01)
     assert state["platform.shaft.lift"] == pytest.approx(0, abs=1.0)
+
+
+def test_in_rotor_effective_winds_all_else_is_the_same_and_yaw_dies_out(tmp_path):
+    """The moments of the blades by the turning of the hull: a rotor by coefficients lets yaw grow at 12 m/s."""
+    names = ("dtif_operating", "dtif_operating_effective")
+    texts = [(MODELS / f"{name}.yaml").read_text(encoding="utf-8") for name in names]
+    lines = [
+        [line for line in text.splitlines() if not line.lstrip().startswith("#") and not line.startswith("title:")]
+        for text in texts
+    ]
+    differing = [pair for pair in zip(*lines, strict=True) if pair[0] != pair[1]]
+    assert differing == [("    use: turbines/surrogate_7mw", "    use: turbines/surrogate_7mw_effective")]
+    again = tmp_path / "again.yaml"
+    again.write_text(fw.dump(fw.load(names[1])), encoding="utf-8")
+    wind = {"wind.kind": "steady", "wind.mean_speed": 12.0, "sea.spectrum": "still"}
+    damping = []
+    for model in (names[0], again):
+        plant = fw.load(model).compile()
+        modes = plant.linearize(plant.equilibrium(parameters=wind), outputs=[]).modes()
+        damping.append(next(mode.damping_ratio for mode in modes if mode.frequency_hz < 0.03 and "yaw" in mode.label))
+    assert damping[0] < 0 and damping[1] > 0.3

@@ -33,7 +33,7 @@ from fowtlib.language.native import compiler
 
 NEEDS_FMPY = [
     "test_bound_data.py", "test_fmu.py", "test_same_events.py", "test_platforms.py", "test_any_calls.py",
-    "test_recipes.py", "test_hull_surface.py",
+    "test_recipes.py", "test_hull_surface.py", "test_cut_in_archive.py",
 ]  # fmt: skip
 collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else NEEDS_FMPY
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -234,6 +235,33 @@ def test_a_diameter_is_found_for_a_draft():
     assert RHO * math.pi / 4 * diameter**2 * 10 == pytest.approx(steel + water + 300e3, rel=1e-5)
     again = plant.equilibrium({path: diameter})
     assert float(again["floater.hydrostatics.draft"]) == pytest.approx(-10.0, abs=1e-6)
+
+
+def test_derivatives_by_the_geometry_are_right_or_refused():
+    """Against differences; what moves the surface has none in the mean, what leaves it as it is has."""
+    plant = fw.load(ballasted()).compile()
+    member, draft = "floater.member_1", "floater.hydrostatics.draft"
+
+    def difference(values, path, at, h):
+        return (values({path: at + h}) - values({path: at - h})) / (2 * h)
+
+    def mean(parameters):
+        return float(plant.equilibrium(parameters)[draft])
+
+    def later(parameters):
+        return plant.simulate(1.0, parameters=parameters, solver="fixed", tolerance=1e-10).array(draft)[-1]
+
+    for path in (f"{member}.diameters", f"{member}.start[2]", "floater.raised"):
+        for result in (f"mean {draft}", "frequency motion.s"):
+            refused = rf"by {re.escape(path)}: floater\.hydrostatics\.surface is computed .* no derivative by it"
+            with pytest.raises(ParameterError, match=refused):
+                fw.gradient(plant, result, [path])
+    for path, at, h in ((f"{member}.wall_thickness", 0.04, 1e-4), (f"{member}.water.level", -12.0, 1e-3)):
+        found = fw.gradient(plant, f"mean {draft}", [path])[f"mean {draft}", path]
+        assert found == pytest.approx(difference(mean, path, at, h), rel=1e-5)
+    for path, at, h in ((f"{member}.diameters", 8.0, 1e-3), (f"{member}.wall_thickness", 0.04, 1e-5)):
+        found = fw.sensitivities(plant, [path], [draft], t_end=1.0, tolerance=1e-10).derivatives[-1, 0, 0]
+        assert found == pytest.approx(difference(later, path, at, h), rel=1e-5)
 
 
 # --- waves -----------------------------------------------------------------------------------------------------------

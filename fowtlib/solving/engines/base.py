@@ -37,6 +37,9 @@ class Engine(Protocol):
     def stop(self, now: bool) -> None:
         """Let `advance`, which runs in another thread, return early, with fewer rows, or fail; False: no more."""
 
+    def remarks(self) -> list[str]:
+        """Sentences on what a user should know of the run so far, each a warning at its end."""
+
     def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """All that the next `advance` depends on besides its arguments: a text that JSON can hold, and numbers."""
 

@@ -96,8 +96,8 @@ typedef struct {
 } fs_options;
 
 enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4, FS_STOPPED = 5 };
-enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
-enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24, FS_PARTS = 16 };
+enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_CUT, FS_COUNTS };
+enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24, FS_PARTS = 16, FS_HALVINGS = 3 };
 enum { FS_ALIGNED = 8 }; /* numbers of a line of the cache, at which arrays begin, so that no vector lies across two */
 
 /* A matrix whose first unknowns, of which there are `light`, hardly couple: each appears in few rows. They are eliminated
@@ -121,6 +121,7 @@ typedef struct {
   double *memory;       /* in which all arrays of numbers lie */
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
+  double *from, *change; /* of damped Newton: the unknowns before a change, and the change */
   double *guess, *missed; /* the prediction of a step's unknowns; what it has missed in the last steps, on average */
   double *past[FS_HISTORY], past_time[FS_HISTORY];
   double *before;       /* the update of the iteration before */
@@ -133,6 +134,8 @@ typedef struct {
   int started, failed_row, failed_external, not_finite;
   volatile int stop;    /* set by another thread: stop before the next step */
   double t, failed_time;
+  double first_cut, last_cut; /* where steps that had to be cut began; as many as count[FS_CUT] says */
+  int halvings;         /* how often one of them was halved, at most */
   double *record;       /* where each step writes its stage, and goes on behind; null: nowhere */
   fs_code watched, checked; /* of whose values fs_advance writes a row at each of its points, and goes on behind */
   double *seen, *constants; /* the row; what `checked` reads */
@@ -150,6 +153,7 @@ static const double FS_MISSED_MEMORY = 16.0; /* steps after which that is forgot
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
 static const double FS_LEAST_THETA = 2e-2; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
+static const int FS_DAMPED = 60, FS_SHORTENED = 10; /* iterations of damped Newton; halvings of the change of one */
 static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
 /* --- evaluation ---------------------------------------------------------------------------------------------------- */
@@ -750,6 +754,55 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
   return FS_STAGE;
 }
 
+/* What Newton would change at s->unknown by the matrix that is kept, in s->move. */
+static int fs_correction(fs_instance *s, double t, double k) {
+  int i, status;
+  fs_place(s, k, s->unknown, s->v, s->xf);
+  if ((status = fs_evaluate(s, t, s->xf, s->unknown))) return status;
+  fs_residual_of_stage(s);
+  fs_look_at_frames(s, t, s->xf);
+  for (i = 0; i < s->n; i++) s->move[i] = -s->right[i];
+  fs_turn(s, &s->stage, s->xf, s->move, 1, -1.0);
+  fs_solve(&s->stage, s->move);
+  fs_turn(s, &s->stage, s->xf, s->move, 0, 1.0);
+  return FS_DONE;
+}
+
+/* Unknowns of a stage by damped Newton from s->unknown, for what bends sharply, as friction where it sticks: each change is
+   halved until the next one, by the same matrix, is smaller (the natural monotonicity test; P. Deuflhard (2004), Newton
+   Methods for Nonlinear Problems, Springer, section 3.3). */
+static int fs_damp_stage(fs_instance *s, double t, double k) {
+  fs_matrix *a = &s->stage;
+  int n = s->n, iteration, i, shortened, status;
+  for (iteration = 0; iteration < FS_DAMPED; iteration++) {
+    double part = 1.0, now, next;
+    fs_place(s, k, s->unknown, s->v, s->xf);
+    if ((status = fs_evaluate(s, t, s->xf, s->unknown))) return status;
+    fs_residual_of_stage(s);
+    fs_look_at_frames(s, t, s->xf);
+    if (fs_stage_matrix(s, t, k)) break;
+    fs_remember_angles(s, a, s->xf);
+    if ((status = fs_correction(s, t, k))) return status;
+    now = fs_norm(s->move, s->weight, n);
+    if (!isfinite(now)) break;
+    memcpy(s->from, s->unknown, sizeof(double) * (size_t)n);
+    memcpy(s->change, s->move, sizeof(double) * (size_t)n);
+    for (shortened = 0; shortened < FS_SHORTENED; shortened++, part *= 0.5) {
+      for (i = 0; i < n; i++) s->unknown[i] = s->from[i] + part * s->change[i];
+      if (now <= s->o.tolerance) {
+        fs_place(s, k, s->unknown, s->v, s->xf);
+        return FS_DONE;
+      }
+      if (fs_correction(s, t, k)) continue;
+      next = fs_norm(s->move, s->weight, n);
+      if (isfinite(next) && next <= (1.0 - 0.5 * part) * now) break;
+    }
+    if (shortened == FS_SHORTENED) break;
+  }
+  fs_blame(s, t, a, s->right, n);
+  return FS_STAGE;
+}
+
 /* Value at time t of the polynomial through the last stages. */
 static void fs_predict(const fs_instance *s, double t, double *unknown, int n) {
   int used = s->o.predictor + 1 < s->pasts ? s->o.predictor + 1 : s->pasts, i, j, c;
@@ -775,7 +828,8 @@ static void fs_keep(fs_instance *s, double t, const double *unknown) {
   if (s->pasts < FS_HISTORY) s->pasts++;
 }
 
-static int fs_step(fs_instance *s, double t, double h) {
+/* From t over h; `damped` says whether damped Newton shall try what nothing else solves. */
+static int fs_step(fs_instance *s, double t, double h, int damped) {
   double r = s->o.rho_inf, am = 0.5 * (3.0 - r) / (1.0 + r), af = 1.0 / (1.0 + r), g = 0.5 + am - af;
   double k = af * g * h / am, stage = t + af * h;
   fs_matrix *a = &s->stage;
@@ -790,6 +844,10 @@ static int fs_step(fs_instance *s, double t, double h) {
     if (attempt < 2) memcpy(s->unknown, s->guess, sizeof(double) * (size_t)s->n);
     else memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
     status = fs_iterate_stage(s, stage, k, attempt);
+  }
+  if (status && damped) {
+    memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
+    status = fs_damp_stage(s, stage, k);
   }
   fs_reach(s, 0.0);
   if (status) {
@@ -815,6 +873,23 @@ static int fs_step(fs_instance *s, double t, double h) {
   fs_remember_size(s, s->unknown);
   fs_remember_missed(s);
   fs_keep(s, stage, s->unknown);
+  return FS_DONE;
+}
+
+/* A step, and where it is not solved its two halves, each of which may be halved again, FS_HALVINGS times at most; what is
+   not solved then is given to damped Newton, which solves long steps too, but these would have larger errors. A step
+   that fails leaves all that the next one goes on from as it was (but for the matrix, which is made anew), and the scheme
+   takes from the one before no more than x and its rates, so that steps of other lengths may follow. */
+static int fs_step_or_halves(fs_instance *s, double t, double h, int halvings) {
+  int status = fs_step(s, t, h, halvings == FS_HALVINGS);
+  if (status == FS_DONE || halvings == FS_HALVINGS) return status;
+  if (halvings >= s->halvings) s->halvings = halvings + 1;
+  if ((status = fs_step_or_halves(s, t, 0.5 * h, halvings + 1))) return status;
+  if ((status = fs_step_or_halves(s, t + 0.5 * h, 0.5 * h, halvings + 1))) return status;
+  if (halvings == 0 && (s->count[FS_CUT] == 0 || t > s->last_cut)) { /* else it is repeated, up to an event */
+    if (s->count[FS_CUT]++ == 0) s->first_cut = t;
+    s->last_cut = t;
+  }
   return FS_DONE;
 }
 
@@ -1029,7 +1104,7 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
   for (p = 0; p < points; p++) {
     double from = t + length * p / points;
     for (i = 0; i < steps || i == 0; i++)
-      if ((status = s->stop ? FS_STOPPED : fs_step(s, from + i * h, h))) {
+      if ((status = s->stop ? FS_STOPPED : fs_step_or_halves(s, from + i * h, h, 0))) {
         s->started = 0;
         return status;
       }
@@ -1048,8 +1123,13 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
   return FS_DONE;
 }
 
-/* Where the steps of the next fs_advance write their stages: rows of its time, the length of the step, x_f and z. */
-EXPORT void fs_record(fs_instance *s, double *rows) { s->record = rows; }
+/* Where the steps of the next fs_advance write their stages: rows of its time, the length of the step, x_f and z, 2 to the
+   power of FS_HALVINGS for each step at most. Returns the end of what they have written since the last call. */
+EXPORT double *fs_record(fs_instance *s, double *rows) {
+  double *end = s->record;
+  s->record = rows;
+  return end;
+}
 
 /* Where the next fs_advance writes rows of values at its points, null: nowhere. First the `size` ones of a function that
    follows the equations, then those of one that stands alone, with constants as its second result, or null. */
@@ -1074,8 +1154,17 @@ EXPORT void fs_failure(const fs_instance *s, double *t, int *row, int *not_finit
   *external = s->failed_external;
 }
 
-/* Steps, evaluations, matrices of stages and of algebraic unknowns, starts, Jacobians of the externals so far. */
+/* Steps, evaluations, matrices of stages and of algebraic unknowns, starts, Jacobians of the externals, steps that were
+   cut, so far. */
 EXPORT void fs_counts(const fs_instance *s, long long *counts) { memcpy(counts, s->count, sizeof(s->count)); }
+
+/* How many steps were cut so far, where the first and the last of them began, and in how many parts one was at most. */
+EXPORT int fs_cuts(const fs_instance *s, double *first, double *last, int *parts) {
+  *first = s->first_cut;
+  *last = s->last_cut;
+  *parts = 1 << s->halvings;
+  return (int)s->count[FS_CUT];
+}
 
 /* Each array begins at a multiple of FS_ALIGNED numbers. */
 static double *fs_take(double *memory, size_t *used, size_t n) {
@@ -1140,6 +1229,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
   s->unknown = fs_take(m, u, n); s->move = fs_take(m, u, n); s->right = fs_take(m, u, n); s->weight = fs_take(m, u, n);
   s->size = fs_take(m, u, n); s->least = fs_take(m, u, n);
+  s->from = fs_take(m, u, n); s->change = fs_take(m, u, n);
   s->guess = fs_take(m, u, n); s->missed = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);

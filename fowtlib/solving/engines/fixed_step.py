@@ -10,7 +10,7 @@ import numpy as np
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode, Options, runtime
-from fowtlib.solving.failure import StepFailure, step_failure
+from fowtlib.solving.failure import StepFailure, cut_steps, step_failure
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
 
@@ -18,6 +18,7 @@ NEWTON = 200.0  # times the tolerance: what the iterations leave of a rate, rela
 AT_POINTS = 1.0  # times the tolerance: the same of the algebraic unknowns at output points, where it costs little
 KEEP = 100  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
+PARTS = 8  # of a step that is not solved, at most: 2 to the power of FS_HALVINGS of fixed_step.c
 EXTERNAL, STOPPED = 3, 5  # FS_EXTERNAL and FS_STOPPED of fixed_step.c
 
 
@@ -59,7 +60,7 @@ class FixedStep:
         stages = None
         if self.watch is not None:
             rows = points * max(1, int(np.ceil(length / points / self.attributes["step"] * (1 - 1e-9))))
-            stages = np.empty((rows, 2 + len(x) + len(z)))
+            stages = np.empty((PARTS * rows, 2 + len(x) + len(z)))  # most of it is never touched
             self._library.fs_record(self._instance, stages.ctypes.data)
         status = self._library.fs_advance(
             self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
@@ -67,9 +68,9 @@ class FixedStep:
         )  # fmt: skip
         self._library.fs_watch(self._instance, None, 0, None, 0, None, None)
         if stages is not None:
-            self._library.fs_record(self._instance, None)
-            if not status:
-                self.watch(stages)
+            end = self._library.fs_record(self._instance, None)
+            if not status and self.watch is not None:
+                self.watch(stages[: (end - stages.ctypes.data) // stages.strides[0]].copy())
         self.seen = seen[: reached.value]
         if status == STOPPED:
             return xs[: reached.value], zs[: reached.value]
@@ -120,9 +121,15 @@ class FixedStep:
 
         return update
 
+    def remarks(self) -> list[str]:
+        """Sentences on steps that had to be cut so far; none where there were none."""
+        first, last, parts = c.c_double(), c.c_double(), c.c_int()
+        found = self._library.fs_cuts(self._instance, c.byref(first), c.byref(last), c.byref(parts))
+        return [cut_steps(found, first.value, last.value, parts.value, self.advice)] if found else []
+
     def counts(self) -> dict[str, int]:
-        """What has been done so far: steps, evaluations of the equations, Newton matrices, starts."""
-        names = ("steps", "evaluations", "matrices", "algebraic_matrices", "starts", "slopes")
+        """What has been done so far: steps, evaluations of the equations, Newton matrices, starts, steps cut."""
+        names = ("steps", "evaluations", "matrices", "algebraic_matrices", "starts", "slopes", "cut")
         values = (c.c_longlong * len(names))()
         self._library.fs_counts(self._instance, c.byref(values))
         return dict(zip(names, values, strict=True))

@@ -129,6 +129,10 @@ class Idas:
         elif now:
             self.at.functions.abandoned += 1
 
+    def remarks(self) -> list[str]:
+        """Nothing: it chooses its steps."""
+        return []
+
     def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """Nothing: each interval is a new start."""
         return {"engine": "idas"}, {}

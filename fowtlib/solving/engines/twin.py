@@ -12,13 +12,14 @@ import numpy as np
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.engines.reduction import reduction
-from fowtlib.solving.failure import StepFailure, step_failure
+from fowtlib.solving.failure import StepFailure, cut_steps, step_failure
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
 
 NEWTON = 0.01  # of the tolerance
 KEEP = 20  # steps over which a Newton matrix is kept
 ITERATIONS = 12
+HALVINGS = 3  # of a step that is not solved, as often as in fixed_step.c
 
 
 class FixedStepTwin:
@@ -38,6 +39,8 @@ class FixedStepTwin:
         self.inverse, self.made_for, self.age = np.zeros((0, 0)), 0.0, KEEP
         self.watch: Callable[[np.ndarray], None] | None = None
         self.seen = np.empty((0, 0))
+        self.cuts: list[float] = []  # where steps began that had to be cut
+        self.halvings = 0  # how often one of them was halved, at most
         self.stages: list[np.ndarray] = []  # of one call of `advance`, as FixedStep.watch is given them
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -59,7 +62,7 @@ class FixedStepTwin:
         rows, self.stages = [], []
         for p in range(points):
             for i in range(steps):
-                self._step(t + length * p / points + i * h, h)
+                self._step_or_halves(t + length * p / points + i * h, h)
             now = t + length * (p + 1) / points
             self.z = self._consistent(now, self.x, self._predict(now)[: z.size], q)
             self.stands = (now, self.x, q.copy())
@@ -74,6 +77,7 @@ class FixedStepTwin:
     def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """All that the next step depends on, as a text and numbers."""
         text = {"engine": "twin", "made_for": self.made_for, "age": self.age, "stands": self.stands and self.stands[0]}
+        text |= {"cuts": self.cuts, "halvings": self.halvings}
         numbers = {"inverse": self.inverse, "z_scale": self.z_scale}
         if self.stands is None:
             return text, numbers
@@ -87,6 +91,7 @@ class FixedStepTwin:
         if text["engine"] != "twin":
             raise ValueError("the memory of its solver is that of the compiled one")
         self.made_for, self.age, self.stands = text["made_for"], text["age"], None
+        self.cuts, self.halvings = list(text["cuts"]), text["halvings"]
         self.inverse, self.z_scale = numbers["inverse"], numbers["z_scale"]
         if text["stands"] is not None:
             self.stands = (text["stands"], numbers["stands_x"], numbers["stands_q"])
@@ -153,6 +158,27 @@ class FixedStepTwin:
         matrix[nz:, :nz] -= ode_z[free]
         return matrix
 
+    def _step_or_halves(self, t: float, h: float, halvings: int = 0) -> None:
+        """A step, and where it is not solved its halves, as in fixed_step.c."""
+        try:
+            self._step(t, h)
+        except StepFailure:
+            if halvings == HALVINGS:
+                self.stands = None
+                raise
+        else:
+            return
+        self.halvings = max(self.halvings, halvings + 1)
+        self._step_or_halves(t, 0.5 * h, halvings + 1)
+        self._step_or_halves(t + 0.5 * h, 0.5 * h, halvings + 1)
+        if halvings == 0 and not (self.cuts and t <= self.cuts[-1]):
+            self.cuts.append(t)
+
+    def remarks(self) -> list[str]:
+        """Sentences on steps that had to be cut so far; none where there were none."""
+        cuts = self.cuts
+        return [cut_steps(len(cuts), cuts[0], cuts[-1], 2**self.halvings, self.advice)] if cuts else []
+
     def _step(self, t: float, h: float) -> None:
         k = self.alpha_f * self.gamma * h / self.alpha_m
         stage = t + self.alpha_f * h
@@ -164,7 +190,7 @@ class FixedStepTwin:
             if unknown is not None:
                 break
         else:
-            self.stands, self.age = None, KEEP
+            self.age = KEEP
             raise StepFailure(step_failure(self.dae, self.reduced.free, *self.blamed))
         v, x = self._placed(xbar, k, unknown)
         self.stages.append(np.concatenate([[stage, h], x, unknown[: self.z.size]]))

@@ -105,7 +105,7 @@ class Taped:
         if begun is not None:
             self.tape.append(begun)
         times = t + length * np.arange(1, points + 1) / points
-        self.tape.append(Stretch(self._stages, x.size, len(self._stages) // points, times, q.copy()))
+        self.tape += _stretches(self._stages, x.size, times, q.copy())
         self._stands = Point(float(times[-1]), xs[-1].copy(), zs[-1].copy(), q.copy())
         return xs, zs
 
@@ -141,6 +141,10 @@ class Taped:
     def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """All that the next `advance` depends on."""
         return self.inner.memory()
+
+    def remarks(self) -> list[str]:
+        """Sentences on what a user should know of the run so far."""
+        return self.inner.remarks()
 
     def remember(self, text: Mapping[str, Any], numbers: Mapping[str, np.ndarray]) -> None:
         """Nothing: a run whose sensitivities are wanted begins at its start."""
@@ -182,3 +186,16 @@ def taped(engine: Engine, timeline: Timeline) -> Taped:
     if not isinstance(engine, (FixedStep, FixedStepTwin)):
         raise SimulationError("sensitivities are those of the solver fixed.")
     return Taped(engine, timeline)
+
+
+def _stretches(stages: np.ndarray, states: int, times: np.ndarray, q: np.ndarray) -> list[Stretch]:
+    """Steps up to the points at `times` as one stretch; where steps were cut on the way to some, one for each."""
+    ends = np.searchsorted(stages[:, 0] - 0.25 * stages[:, 1], times)  # a stage lies in the second half of its step
+    each = np.diff(ends, prepend=0)
+    if np.all(each == each[0]):
+        return [Stretch(stages, states, int(each[0]), times, q)]
+    begins = ends - each
+    return [
+        Stretch(stages[first:end], states, int(end - first), times[[k]], q)
+        for k, (first, end) in enumerate(zip(begins, ends, strict=True))
+    ]
