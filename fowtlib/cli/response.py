@@ -50,7 +50,7 @@ def declare(commands: Any) -> None:
     parser.add_argument("--hours", type=positive, default=1.0, metavar="H", help="duration of the extremes; default: 1")
     parser.add_argument("--exponent", type=positive, default=4.0, metavar="M", help="of the S-N curve; default: 4")
     text = "equivalent: suits the response itself, and knows of corners; default: tangent"
-    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent", help=text)
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent", "quadratic"), default="tangent", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")
