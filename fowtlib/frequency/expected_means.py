@@ -57,7 +57,7 @@ class RestingRows:
         guess: covariance of [states; inputs] of the linear model.
         """
         at = [[item.path for item in self.at.dae.states].index(path) for path in excited.linear.states]
-        M = self.mixing(state, excited.driven)
+        M = self.mixing(state, len(guess) - len(at))
         self.to = to = block_diag(np.eye(len(at)), M)
         law = Gaussian(at, to @ guess @ to.T, len(M))
         q, n = np.concatenate([state.u, state.d]), state.x.size
