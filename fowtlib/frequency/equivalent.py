@@ -16,7 +16,7 @@ at sums and differences of frequencies, is a process beside the others where tha
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.frequency.corners import covariance, with_states
 from fowtlib.frequency.driven import Grid, Processes
 from fowtlib.frequency.expected_means import RestingRows, TurningRows, deviations_of
-from fowtlib.frequency.products import PRODUCTS, channels_of, cross_spectra, process_of, with_channels
+from fowtlib.frequency.products import PRODUCTS, Products, channels_of, cross_spectra, fed_back, with_channels
 from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.language.eigenvectors import eigenvalues
@@ -52,7 +52,8 @@ Driven = Callable[[ExcitedModel], tuple[ExcitedModel, Processes]]
 class Equivalent:
     """What was found: mean state, linear model with gains of its drag, and frequencies.
 
-    shown: expected results in their units; None where they are those of the mean.
+    shown: expected results in their units; None where they are those of the mean. through: what the inputs of products
+    have of each process beside what they are themselves, (q, inputs of products, channels); see frequency.products.
     """
 
     state: State
@@ -61,6 +62,7 @@ class Equivalent:
     grid: Grid
     iterations: int
     shown: np.ndarray | None
+    through: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, frequency: np.ndarray | None,
@@ -73,18 +75,23 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     """
     excited = excited_model(plant, state, names)
     turning = excited.rotating.average is not None
-    rows = TurningRows(plant, state, quadratic) if turning else RestingRows(plant, state, names, excited.further, quadratic)
+    rows = (
+        TurningRows(plant, state, quadratic)
+        if turning
+        else RestingRows(plant, state, names, excited.further, quadratic)
+    )
     guess, last, given = None, None, frequency
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None
     response: Answers | None = None
     for iteration in range(1, ITERATIONS + 1):
         excited, processes = driven(excited)
+        products: Products | None = None
         if rows.quadratic is not None and response is not None:
-            excited, processes = _with_products(excited, processes, rows.quadratic, response)
+            excited, processes, products = _with_products(excited, processes, rows.quadratic, response)
         settled, damping = _settled(excited, processes, given, tolerance, gains)
         excited, gains, grid = settled
-        response = Answers.of(excited, gains, grid, with_inputs=not turning)
+        response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
         found, deviations = response.covariance, response.deviations
         share = min(1.0, WHOLE / iteration)
         smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
@@ -92,7 +99,7 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
         enough = SETTLED if iteration <= PATIENT else NEARLY
         if iteration > FEWEST and rows.step < CLOSE and change < enough and not damping:
             shown = None if rows.shown is None else rows.shown[: excited.results]
-            return Equivalent(state, excited, gains, grid, iteration, shown)
+            return Equivalent(state, excited, gains, grid, iteration, shown, response.through)
         if last is not None and _change(deviations, last) < HELD:
             given = grid.frequency
         guess = CALM * found if guess is None else guess + share * (found - guess)
@@ -140,9 +147,11 @@ class Answers:
     covariance: np.ndarray
     deviations: np.ndarray
     rates: np.ndarray
+    through: Mapping[str, np.ndarray]
 
     @staticmethod
-    def of(excited: ExcitedModel, gains: Sequence[np.ndarray], grid: Grid, with_inputs: bool) -> Answers:
+    def of(excited: ExcitedModel, gains: Sequence[np.ndarray], grid: Grid, products: Products | None,
+           with_inputs: bool) -> Answers:  # fmt: skip
         """Of a model with gains of its drag; inputs: without those of products."""
         linear = excited.with_gains(gains)
         n, m = len(linear.states), excited.results
@@ -155,25 +164,31 @@ class Answers:
                 drive = np.zeros((len(answer), excited.driven, answer.shape[2]), dtype=complex)
                 drive[:, grid.driving[path].inputs] = grid.driving[path].drive.transpose(1, 0, 2)
                 both[path] = np.concatenate([both[path], drive[:, :count]], axis=1)
+        through: dict[str, np.ndarray] = {}
+        if products is not None:
+            through = products.through(both, grid.frequency)
+            to = both[PRODUCTS]
+            both = {path: values + to @ through[path] for path, values in both.items()}
+            H = fed_back(H, through)
         shown: Mapping[str, np.ndarray] = {path: answer[:, :m] for path, answer in H.items()}
         rates = {path: answer[:, m:] * (1j * grid.omega)[:, None, None] for path, answer in H.items()}
         of_results, of_rates = (deviations_of(covariance(of, grid.spectra, grid.frequency)) for of in (shown, rates))
         return Answers(grid.frequency, both, grid.spectra, covariance(both, grid.spectra, grid.frequency),
-                       of_results, of_rates)  # fmt: skip
+                       of_results, of_rates, through)  # fmt: skip
 
 
 def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows,
-                   response: Answers) -> tuple[ExcitedModel, Processes]:  # fmt: skip
+                   response: Answers) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
     """The model and its processes with the products of fluctuations of a response."""
     channels = channels_of(excited, quadratic, response.rates, response.deviations)
     if channels is None:
-        return excited, processes
+        return excited, processes, None
     first = excited.driven
     excited = with_channels(excited, channels)
     cross = cross_spectra(response.transfer, response.spectra, channels.directions)
-    products = process_of(channels, response.frequency, cross, first, excited.driven)
+    products = Products(channels, response.frequency, cross)
     own = {path: replace(process, inputs=excited.driven) for path, process in processes.items()}
-    return excited, own | {PRODUCTS: products}
+    return excited, own | {PRODUCTS: products.process(first, excited.driven)}, products
 
 
 def _change(new: np.ndarray, old: np.ndarray) -> float:

@@ -224,7 +224,7 @@ class SettledLaws:
 
     def forms(self, points: Points, x: np.ndarray, by_others: np.ndarray,
               x_by_u: np.ndarray) -> tuple[dict[int, np.ndarray], dict[int, float]]:  # fmt: skip
-        """Of second order by u, and sizes: see quadratic_rows; x (n, states): points where the followers have settled."""
+        """Of second order by u, and sizes: see quadratic_rows; x (n, states): points with settled followers."""
         forms: dict[int, np.ndarray] = {}
         sizes: dict[int, float] = {}
         if not self.rows:

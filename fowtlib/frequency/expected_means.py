@@ -11,10 +11,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from fowtlib.frequency.expectations import Expectations, Expected, Gaussian, LawExpectations
+from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import State
 from fowtlib.solving.disturbed import DisturbedRows
-from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.solving.equilibrium import moving_states
 from fowtlib.solving.excited import ExcitedModel, means_of_laws
 from fowtlib.solving.linear import Further, slopes_of

@@ -5,10 +5,15 @@ what is linear in u, and among each other
 
     E[r_i(t + tau) r_j(t)] = 1/2 trace(h_i R(tau) h_j R(tau)')
 
-(the formula of Isserlis; in frequency the convolution of the spectra, the second order of a Volterra series: M. Schetzen,
-1980; M. G. Donley and P. D. Spanos, 1990, chapter 4). So a linear model takes them as one more process, with channels
-that are sums of them: as few as its states and results can tell from each other. Of what is nonlinear a Gaussian process
-passes through, this is all of second order; the process itself counts as Gaussian in deviations and extremes.
+(the formula of Isserlis; in frequency the convolution of the spectra, the second order of a Volterra series:
+M. Schetzen, 1980; M. G. Donley and P. D. Spanos, 1990, chapter 4). So a linear model takes them as one more process,
+with channels that are sums of them: as few as its states and results can tell from each other.
+
+What these loads make of y is again a factor of products with y, and that goes with what is linear: with answers g of u
+to the rows k, rows have the mean of u_a(t) g_bk(t - s) h_k,cd u_c(s) u_d(s) over all that is not u_d, which is a kernel
+h_i,ab g_bk R_ac h_k,cd in time, by u_d. A random decay 1 + b x is slower by it, and it is of the size of the noise of
+the same products: of order b^2 both (the direct interaction of R. H. Kraichnan, 1961; M. Schetzen, 1980). With both the
+variance is right to the second order in what is quadratic. The process counts as Gaussian in deviations and extremes.
 """
 
 from __future__ import annotations
@@ -25,7 +30,9 @@ from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel
 
 PRODUCTS = "products"
-LEFT_OUT = 1e-3  # of the squares of all forms: channels and directions that are not taken
+LEFT_OUT = (
+    1e-7  # of the squares of all forms, in channels and directions that are not taken: slow swings are small there
+)
 DIRECTIONS = 24  # at most
 BEYOND = 1e-4  # of the variance of a direction: what may lie above the highest frequency
 LINES = 1 << 13  # at most, of the axis of the spectra
@@ -85,32 +92,53 @@ def with_channels(excited: ExcitedModel, channels: Channels) -> ExcitedModel:
     return replace(excited, linear=made)
 
 
-def process_of(channels: Channels, frequency: np.ndarray, cross: np.ndarray, first: int, inputs: int) -> Process:
-    """The process of these loads, from cross spectra (q, m, m) per Hz of their directions; first: of their inputs."""
-    lines, density = spectra_of_products(channels.forms, frequency, cross)
+class Products:
+    """The process of loads, from cross spectra (q, m, m) per Hz of their directions at frequencies [Hz]."""
 
-    def at(omega: np.ndarray) -> np.ndarray:
-        flat = density.reshape(len(density), -1)
-        f = omega / (2 * np.pi)
-        found = np.stack([np.interp(f, lines, column, right=0.0) for column in flat.T], axis=1)
-        return found.reshape(-1, channels.count, channels.count) / (2 * np.pi)
+    def __init__(self, channels: Channels, frequency: np.ndarray, cross: np.ndarray):
+        self.channels = channels
+        self.step, self.correlations = correlations(frequency, cross)
 
-    def ones(omega: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(np.eye(channels.count, dtype=complex), (omega.size, channels.count, channels.count))
+    def process(self, first: int, inputs: int) -> Process:
+        """By its spectra; first: of the inputs of the model."""
+        count = self.channels.count
+        lines, density = spectra_of_products(self.channels.forms, self.step, self.correlations)
 
-    return Process(at, np.arange(first, first + channels.count), ones, inputs)
+        def at(omega: np.ndarray) -> np.ndarray:
+            return _at(omega / (2 * np.pi), lines, density) / (2 * np.pi)
+
+        def ones(omega: np.ndarray) -> np.ndarray:
+            return np.broadcast_to(np.eye(count, dtype=complex), (omega.size, count, count))
+
+        return Process(at, np.arange(first, first + count), ones, inputs)
+
+    def through(self, transfer: Mapping[str, np.ndarray], frequency: np.ndarray) -> dict[str, np.ndarray]:
+        """What the loads have of each process by the products of what is linear in it and what they do themselves.
+
+        transfer: of [states; inputs] by process (q, n, channels), also by these loads.
+        """
+        y = {path: self.channels.directions @ H for path, H in transfer.items()}
+        G = y[PRODUCTS]
+        lines, kernel = feedback(self.channels.forms, self.step, self.correlations, frequency, G)
+        K = _at(frequency, lines, kernel)
+        return {path: np.linalg.solve(np.eye(K.shape[1]) - K @ G, K @ of) for path, of in y.items()}
 
 
-def spectra_of_products(forms: np.ndarray, frequency: np.ndarray,
-                        cross: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Frequencies (n,) [Hz] from 0 upward, and cross spectra (n, k, k) per Hz of 1/2 (y' f y - trace f), forms (k, m, m).
+def fed_back(transfer: Mapping[str, np.ndarray], through: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Transfer functions (q, n, channels) by process, with what goes through the loads."""
+    if not through:
+        return dict(transfer)
+    return {path: H + transfer[PRODUCTS] @ through[path] for path, H in transfer.items()}
 
-    cross: one-sided cross spectra (q, m, m) per Hz of Gaussian y at rising frequencies, exp(+i omega t). They count as
-    those of y with a covariance of one, which their shape is then that of.
+
+def correlations(frequency: np.ndarray, cross: np.ndarray) -> tuple[float, np.ndarray]:
+    """Step of frequencies [Hz], and R (n, m, m) of Gaussian y at n lags in a period of one over it.
+
+    cross: one-sided cross spectra (q, m, m) per Hz at rising frequencies, exp(+i omega t). They count as those of y
+    with a covariance of one, which their shape is then that of.
     """
     below = mean_square_below(frequency, np.moveaxis(cross, 0, -1))
-    size = np.linalg.cholesky(below[..., -1].real)
-    one = np.linalg.inv(size)
+    one = np.linalg.inv(np.linalg.cholesky(below[..., -1].real))
     below = np.moveaxis(one @ np.moveaxis(below, -1, 0) @ one.T, 0, -1)
     own = np.diagonal(below.real, axis1=0, axis2=1)  # (q, m)
     top = float(frequency[np.flatnonzero((own >= 1 - BEYOND).all(axis=1))[0]])
@@ -119,8 +147,15 @@ def spectra_of_products(forms: np.ndarray, frequency: np.ndarray,
     edges = step * (np.arange(count + 1) - 0.5)
     power = np.array([[np.diff(np.interp(edges, frequency, part)) for part in row] for row in below])
     length = 1 << int(np.ceil(np.log2(4 * count)))
-    R = np.fft.irfft(np.moveaxis(power, -1, 0) * (length / 2), length, axis=0)  # R[0] is one
-    k, m = forms.shape[:2]
+    return step, np.fft.irfft(np.moveaxis(power, -1, 0) * (length / 2), length, axis=0)
+
+
+def spectra_of_products(forms: np.ndarray, step: float, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (n,) [Hz] from 0 up, and cross spectra (n, k, k) per Hz of 1/2 (y' f y - trace f), forms (k, m, m).
+
+    step, R: of the correlations of y.
+    """
+    length, (k, m) = len(R), forms.shape[:2]
     products = np.empty((length, k, k))
     for part in np.array_split(np.arange(length), max(length // 1024, 1)):
         left = (forms[None] @ R[part, None]).reshape(part.size, k, m * m)
@@ -128,6 +163,34 @@ def spectra_of_products(forms: np.ndarray, frequency: np.ndarray,
         products[part] = left @ right.transpose(0, 2, 1) / 2
     density = np.fft.rfft(products, axis=0) * (2 / (length * step))
     return step * np.arange(len(density)), density
+
+
+def feedback(forms: np.ndarray, step: float, R: np.ndarray, frequency: np.ndarray,
+             G: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Frequencies (n,), and loads by y (n, k, m), by the products of y with what loads make of products of y.
+
+    With answers g_bk(t) of y to the loads the mean of f_i,ab y_a(t) g_bk(t - s) 1/2 f_k,cd y_c(s) y_d(s), twice, has
+    the part f_i,ab g_bk(t - s) R_ac(t - s) f_k,cd y_d(s) that is linear in y. G: transfer functions (q, m, k) at
+    frequencies [Hz].
+    """
+    length, (k, m) = len(R), forms.shape[:2]
+    lines = step * np.arange(length // 2 + 1)
+    g = np.fft.irfft(_at(lines, frequency, G), length, axis=0) * (length * step)
+    g[length // 2 :] = 0.0  # of what comes before
+    found = np.zeros((length, k, m))
+    for part in np.array_split(np.arange(length // 2), max(length // 1024, 1)):
+        left = (forms[None] @ g[part, None]).transpose(0, 1, 3, 2)  # f_i,ab g_bk as (t, i, k, a)
+        right = R[part, None] @ forms[None]  # R_ac f_k,cd as (t, k, a, d)
+        found[part] = left.reshape(part.size, k, -1) @ right.reshape(part.size, -1, m)
+    found[0] /= 2
+    return lines, np.fft.rfft(found, axis=0) / (length * step)
+
+
+def _at(frequency: np.ndarray, lines: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (n, ...) at lines, at other frequencies."""
+    flat = values.reshape(len(values), -1)
+    found = np.stack([np.interp(frequency, lines, column, right=0.0) for column in flat.T], axis=1)
+    return found.reshape(-1, *values.shape[1:])
 
 
 def cross_spectra(transfer: Mapping[str, np.ndarray], spectra: Mapping[str, np.ndarray],

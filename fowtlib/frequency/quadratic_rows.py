@@ -1,6 +1,6 @@
 """What nonlinear rows have of second order at a Gaussian state, beside their expected values and slopes.
 
-In Hermite polynomials of independent normal numbers u a function is f = E[f] + E[df/du] u + 1/2 (u' h u - trace h) + ...
+In Hermite polynomials of independent normal u a function is f = E[f] + E[df/du] u + 1/2 (u' h u - trace h) + ...
 with h = E[d2f/du2], which is the slope of df/du by u in the mean square. So it is found from slopes at the points of
 the expectations by least squares, for corners too (T. K. Caughey, 1963, and M. G. Donley and P. D. Spanos, Dynamic
 Analysis of Non-Linear Structures by the Method of Statistical Quadratization, 1990: quadratic functions in place of
@@ -19,7 +19,7 @@ LEAST = 1e-5  # of what a row is by its terms of first order: what counts as non
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Normal numbers u (count, n) and what Gaussian deviations of variables are by them: u @ lift.T, lift (variables, n).
+    """Normal numbers u (count, n), and Gaussian deviations of variables by them: u @ lift.T, lift (variables, n).
 
     whitening (n, variables): u of deviations.
     """

@@ -82,8 +82,8 @@ class ExcitedModel:
     then the inputs of the laws. fields: columns of the inputs, and the places of one component of one field; bases: by
     their number what these columns are sums of, where they are, see RandomField.density. laws: paths of the laws, and
     their columns among what is added. results: number of the first and second of these outputs. means: of the
-    inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are. beside: what is added to
-    other rows of [ode; alg; outputs], which were asked for.
+    inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are. beside: what
+    is added to other rows of [ode; alg; outputs], which were asked for.
     """
 
     linear: LinearModel
@@ -202,7 +202,8 @@ def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = Non
                   beside: tuple[int, ...] = ()) -> ExcitedModel:  # fmt: skip
     """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. off: see Further. beside: rows, see ExcitedModel. All runs of one mean have it in common: what there is of waves and
+    names: results and variables. off: see Further. beside: rows, see ExcitedModel.
+    All runs of one mean have it in common: what there is of waves and
     of turbulence in each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
