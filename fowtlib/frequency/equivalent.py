@@ -83,11 +83,11 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     guess, last, given = None, None, frequency
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None
-    response, near = None, False  # products are of no use far from what is sought
+    response: Answers | None = None
     for iteration in range(1, ITERATIONS + 1):
         excited, processes = driven(excited)
         products: Products | None = None
-        if rows.quadratic is not None and response is not None and near:
+        if rows.quadratic is not None and response is not None:
             excited, processes, products = _with_products(excited, processes, rows.quadratic, response)
         settled, damping = _settled(excited, processes, given, tolerance, gains)
         excited, gains, grid = settled
@@ -97,12 +97,11 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
         smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
         change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
         enough = SETTLED if iteration <= PATIENT else NEARLY
-        complete = near or rows.quadratic is None
-        if iteration > FEWEST and rows.step < CLOSE and change < enough and not damping and complete:
+        if iteration > FEWEST and rows.step < CLOSE and change < enough and not damping:
             shown = None if rows.shown is None else rows.shown[: excited.results]
             return Equivalent(state, excited, gains, grid, iteration, shown, response.through)
         if last is not None and _change(deviations, last) < HELD:
-            given, near = grid.frequency, True
+            given = grid.frequency
         guess = CALM * found if guess is None else guess + share * (found - guess)
         last = deviations
         state, off = rows.stepped(excited, state, guess)
