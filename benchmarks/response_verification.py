@@ -66,7 +66,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--folder", type=Path, default=Path("output/response_verification"))
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
-    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent")
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent", "quadratic"), default="tangent")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")

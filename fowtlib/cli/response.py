@@ -49,8 +49,9 @@ def declare(commands: Any) -> None:
     parser.add_argument("--outputs", metavar="A,B", help="results; default: all")
     parser.add_argument("--hours", type=positive, default=1.0, metavar="H", help="duration of the extremes; default: 1")
     parser.add_argument("--exponent", type=positive, default=4.0, metavar="M", help="of the S-N curve; default: 4")
-    text = "equivalent: suits the response itself, and knows of corners; default: tangent"
-    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent", help=text)
+    text = "equivalent: suits the response itself, and knows of corners; quadratic: with products of fluctuations too; "
+    text += "default: tangent"
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent", "quadratic"), default="tangent", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")
@@ -93,7 +94,7 @@ def show_response(arguments: argparse.Namespace) -> int:
         mean, unit = float(found.mean[found.outputs.index(name)]), found.unit(name)
         load = found.equivalent_load(name, arguments.exponent)
         rows.append([f"{name} [{unit}]", mean, found.std(name), *shares, *extremes, load])
-    method = "" if found.linearisation == "tangent" else "; equivalent linearisation"
+    method = "" if found.linearisation == "tangent" else f"; {found.linearisation} linearisation"
     tables.say(arguments, weather(model, arguments) + method)
     tables.show(arguments, columns, rows)
     say_saved(arguments.plot)
@@ -110,7 +111,7 @@ def show_states(arguments: argparse.Namespace) -> int:
         if getattr(arguments, option):
             raise ModelError(f"--{option} is for one state; of many states --each saves the numbers.")
     if arguments.linearisation != "tangent":
-        raise ModelError("--linearisation equivalent is for one state.")
+        raise ModelError(f"--linearisation {arguments.linearisation} is for one state.")
     if arguments.states and (arguments.speeds or arguments.height or arguments.bins):
         raise ModelError("--speeds, --height and --bins choose states of a --site; --states names them all.")
     check_target(arguments.each, (".csv", ".nc"), arguments.force)

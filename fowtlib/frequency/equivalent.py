@@ -9,14 +9,14 @@ that hardly decays, which makes a percent of a slope ten of a deviation, the poi
 
 Of rotors of blade elements that turn, the laws of controllers and actuators alone are so; see TurningRows.
 
-Products of fluctuations are in it by what they do to the mean and to the slopes; what they add as a load of their own,
-at sums and differences of frequencies, is not.
+Products of fluctuations are in it by what they do to the mean and to the slopes. What they add as a load of their own,
+at sums and differences of frequencies, is a process beside the others where that is asked for (frequency.products).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.frequency.corners import covariance, with_states
 from fowtlib.frequency.driven import Grid, Processes
 from fowtlib.frequency.expected_means import RestingRows, TurningRows, deviations_of
+from fowtlib.frequency.products import PRODUCTS, Products, channels_of, cross_spectra, fed_back, with_channels
+from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import SimulationError
@@ -50,7 +52,8 @@ Driven = Callable[[ExcitedModel], tuple[ExcitedModel, Processes]]
 class Equivalent:
     """What was found: mean state, linear model with gains of its drag, and frequencies.
 
-    shown: expected results in their units; None where they are those of the mean.
+    shown: expected results in their units; None where they are those of the mean. through: what the inputs of products
+    have of each process beside what they are themselves, (q, inputs of products, channels); see frequency.products.
     """
 
     state: State
@@ -59,39 +62,50 @@ class Equivalent:
     grid: Grid
     iterations: int
     shown: np.ndarray | None
+    through: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, frequency: np.ndarray | None,
-               tolerance: float) -> Equivalent:  # fmt: skip
+               tolerance: float, quadratic: bool = False) -> Equivalent:  # fmt: skip
     """The equivalent linearisation that starts from a mean state in mean wind; see the module.
 
+    quadratic: with products of fluctuations as loads of their own.
     Where rotors of blade elements turn it is that of the laws with corners alone, which are no loads of these rotors.
     SimulationError where the fixed point is not found.
     """
     excited = excited_model(plant, state, names)
     turning = excited.rotating.average is not None
-    rows = TurningRows(plant, state) if turning else RestingRows(plant, state, names, excited.further)
+    rows = (
+        TurningRows(plant, state, quadratic)
+        if turning
+        else RestingRows(plant, state, names, excited.further, quadratic)
+    )
     guess, last, given = None, None, frequency
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None
+    response: Answers | None = None
     for iteration in range(1, ITERATIONS + 1):
         excited, processes = driven(excited)
+        products: Products | None = None
+        if rows.quadratic is not None and response is not None:
+            excited, processes, products = _with_products(excited, processes, rows.quadratic, response)
         settled, damping = _settled(excited, processes, given, tolerance, gains)
         excited, gains, grid = settled
-        found, deviations = _covariances(excited, gains, grid, with_inputs=not turning)
+        response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
+        found, deviations = response.covariance, response.deviations
         share = min(1.0, WHOLE / iteration)
         smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
         change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
         enough = SETTLED if iteration <= PATIENT else NEARLY
         if iteration > FEWEST and rows.step < CLOSE and change < enough and not damping:
             shown = None if rows.shown is None else rows.shown[: excited.results]
-            return Equivalent(state, excited, gains, grid, iteration, shown)
+            return Equivalent(state, excited, gains, grid, iteration, shown, response.through)
         if last is not None and _change(deviations, last) < HELD:
             given = grid.frequency
         guess = CALM * found if guess is None else guess + share * (found - guess)
         last = deviations
         state, off = rows.stepped(excited, state, guess)
-        excited = excited_model(plant, state, names, off)
+        excited = excited_model(plant, state, names, off, () if rows.quadratic is None else rows.quadratic.rows)
     raise SimulationError(
         f"the equivalent linearisation does not settle within {ITERATIONS} iterations; the last change of a deviation "
         f"is {change:.2g}. Take linearisation='tangent', or runs."
@@ -120,23 +134,61 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
     raise first
 
 
-def _covariances(excited: ExcitedModel, gains: Sequence[np.ndarray], grid: Grid,
-                 with_inputs: bool) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Covariance of the states, or of [states; inputs], and standard deviations of the results."""
-    linear = excited.with_gains(gains)
-    n, m = len(linear.states), excited.results
-    H = grid.answers(with_states(linear, m, np.eye(n), linear.states))
-    both: dict[str, np.ndarray] = {}
-    for path, answer in H.items():
-        if not with_inputs:
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """Transfer functions (q, n, channels) of states, or of [states; inputs], by process, and their spectra per Hz.
+
+    covariance: of these. deviations, rates: of results and of the rates of the states.
+    """
+
+    frequency: np.ndarray
+    transfer: Mapping[str, np.ndarray]
+    spectra: Mapping[str, np.ndarray]
+    covariance: np.ndarray
+    deviations: np.ndarray
+    rates: np.ndarray
+    through: Mapping[str, np.ndarray]
+
+    @staticmethod
+    def of(excited: ExcitedModel, gains: Sequence[np.ndarray], grid: Grid, products: Products | None,
+           with_inputs: bool) -> Answers:  # fmt: skip
+        """Of a model with gains of its drag; inputs: without those of products."""
+        linear = excited.with_gains(gains)
+        n, m = len(linear.states), excited.results
+        H = grid.answers(with_states(linear, m, np.eye(n), linear.states))
+        both: dict[str, np.ndarray] = {}
+        count = excited.driven - sum(name.startswith(f"{PRODUCTS} ") for name in linear.inputs)
+        for path, answer in H.items():
             both[path] = answer[:, m:]
-            continue
-        drive = np.zeros((len(answer), excited.driven, answer.shape[2]), dtype=complex)
-        drive[:, grid.driving[path].inputs] = grid.driving[path].drive.transpose(1, 0, 2)
-        both[path] = np.concatenate([answer[:, m:], drive], axis=1)
-    shown: Mapping[str, np.ndarray] = {path: answer[:, :m] for path, answer in H.items()}
-    of_results = covariance(shown, grid.spectra, grid.frequency)
-    return covariance(both, grid.spectra, grid.frequency), deviations_of(of_results)
+            if with_inputs:
+                drive = np.zeros((len(answer), excited.driven, answer.shape[2]), dtype=complex)
+                drive[:, grid.driving[path].inputs] = grid.driving[path].drive.transpose(1, 0, 2)
+                both[path] = np.concatenate([both[path], drive[:, :count]], axis=1)
+        through: dict[str, np.ndarray] = {}
+        if products is not None:
+            through = products.through(both, grid.frequency)
+            to = both[PRODUCTS]
+            both = {path: values + to @ through[path] for path, values in both.items()}
+            H = fed_back(H, through)
+        shown: Mapping[str, np.ndarray] = {path: answer[:, :m] for path, answer in H.items()}
+        rates = {path: answer[:, m:] * (1j * grid.omega)[:, None, None] for path, answer in H.items()}
+        of_results, of_rates = (deviations_of(covariance(of, grid.spectra, grid.frequency)) for of in (shown, rates))
+        return Answers(grid.frequency, both, grid.spectra, covariance(both, grid.spectra, grid.frequency),
+                       of_results, of_rates, through)  # fmt: skip
+
+
+def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows,
+                   response: Answers) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
+    """The model and its processes with the products of fluctuations of a response."""
+    channels = channels_of(excited, quadratic, response.rates, response.deviations)
+    if channels is None:
+        return excited, processes, None
+    first = excited.driven
+    excited = with_channels(excited, channels)
+    cross = cross_spectra(response.transfer, response.spectra, channels.directions)
+    products = Products(channels, response.frequency, cross)
+    own = {path: replace(process, inputs=excited.driven) for path, process in processes.items()}
+    return excited, own | {PRODUCTS: products.process(first, excited.driven)}, products
 
 
 def _change(new: np.ndarray, old: np.ndarray) -> float:

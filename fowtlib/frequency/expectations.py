@@ -23,6 +23,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from fowtlib.frequency.corners import Laws, laws_of
+from fowtlib.frequency.quadratic_rows import Points, QuadraticRows, added, forms_of
 from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.disturbed import DisturbedRows
 
@@ -37,13 +38,17 @@ ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow."""
+    """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow.
+
+    quadratic: what the rows are of second order, by the Gaussian [states; signals]; None where that was not asked for.
+    """
 
     values: np.ndarray
     by_x: np.ndarray
     by_z: np.ndarray
     by_signals: np.ndarray
     mean: np.ndarray
+    quadratic: QuadraticRows | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +61,10 @@ class Gaussian:
 
 
 class Expectations:
-    """Of the rows [ode; alg; outputs] of a compiled model."""
+    """Of the rows [ode; alg; outputs] of a compiled model; quadratic: with what they are of second order."""
 
-    def __init__(self, plant: Any, at: Any, disturbed: DisturbedRows):
-        self.at, self.disturbed, self.laws = at, disturbed, LawExpectations(plant, at)
+    def __init__(self, plant: Any, at: Any, disturbed: DisturbedRows, quadratic: bool = False):
+        self.at, self.disturbed, self.laws, self.quadratic = at, disturbed, LawExpectations(plant, at), quadratic
 
     def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, means: np.ndarray, law: Gaussian,
                  slopes: tuple[np.ndarray, ...] | None) -> Expected:  # fmt: skip
@@ -71,13 +76,15 @@ class Expectations:
         laws = self.laws(t, x, q, law)
         first = laws.inputs
         rest = [k for k in range(len(law.covariance)) if k not in first and k not in laws.followers_at]
-        drawn = _points(law.covariance, [*first, *rest], POINTS)
+        points = _points(law.covariance, [*first, *rest], POINTS)
+        drawn = points.deviations
         dx, ds = np.zeros((POINTS, nx)), drawn[:, len(law.states) :]
         dx[:, list(law.states)] = drawn[:, : len(law.states)]
         moved = x + dx
         by_others = laws.settle(moved) if laws.followers else np.zeros((POINTS, 0, nx))
         line = dx.copy()
         line[:, laws.followers] = dx @ laws.slopes.T
+        kept = []
         alg = slice(nx, nx + nz)
         dz = line @ slopes[0][alg].T + ds @ slopes[2][alg].T
         dz = -np.linalg.solve(slopes[1][alg], dz.T).T if nz else np.zeros((POINTS, 0))
@@ -87,6 +94,8 @@ class Expectations:
             point = t, moved[k], z + dz[k], whole
             values += self.disturbed.values.entries(*point)[0]
             found = self.disturbed.slopes.entries(*point)
+            if self.quadratic:
+                kept.append(np.concatenate(found))
             sums = found if sums is None else [a + b for a, b in zip(sums, found, strict=True)]
             if laws.followers:
                 through += _columns(self.disturbed.slopes, found[0], laws.followers) @ by_others[k]
@@ -98,7 +107,34 @@ class Expectations:
         mean[laws.followers] = laws.means
         for number, value, row in laws.rows:
             values[number], by_x[number], by_z[number], by_s[number] = value, row, 0.0, 0.0
-        return Expected(values, by_x, by_z, by_s, mean)
+        quadratic = None
+        if self.quadratic:
+            quadratic = self._of_second_order(points, np.array(kept), law, laws, moved, by_others, slopes)
+        return Expected(values, by_x, by_z, by_s, mean, quadratic)
+
+    def _of_second_order(self, points: Points, entries: np.ndarray, law: Gaussian, laws: SettledLaws, moved: np.ndarray,
+                         by_others: np.ndarray, slopes: tuple[np.ndarray, ...]) -> QuadraticRows:  # fmt: skip
+        """From all slopes at all points; a state that follows its law is what that law is not of second order."""
+        nx, count = moved.shape[1], points.u.shape[1]
+        x_by_u, s_by_u = np.zeros((nx, count)), points.lift[len(law.states) :]
+        x_by_u[list(law.states)] = points.lift[: len(law.states)]
+        line = x_by_u.copy()
+        line[laws.followers] = laws.slopes @ x_by_u
+        alg = slice(nx, nx + slopes[1].shape[1])
+        z_by_u = -np.linalg.solve(slopes[1][alg], slopes[0][alg] @ line + slopes[2][alg] @ s_by_u)
+        places = self.disturbed.slopes.places
+        rows = np.concatenate([rows for rows, _, _ in places])
+        first = np.cumsum([0, nx, len(z_by_u)])
+        columns = np.concatenate([columns + at for (_, columns, _), at in zip(places, first, strict=True)])
+        forms, sizes = forms_of(points, rows, columns, entries, np.vstack([x_by_u, z_by_u, s_by_u]))
+        for k, number in enumerate(laws.followers):
+            of_u = by_others[:, k] @ x_by_u
+            for entry in np.flatnonzero(columns == number):
+                off = entries[:, entry] - entries[:, entry].mean()
+                if np.any(np.abs(off) > 1e-12 * np.abs(entries[:, entry]).max()):
+                    added(forms, int(rows[entry]), points.by(off[:, None] * of_u))
+        own, own_sizes = laws.forms(points, moved, by_others, x_by_u)
+        return QuadraticRows.of(points, forms | own, sizes | own_sizes)
 
 
 class LawExpectations:
@@ -143,6 +179,7 @@ class SettledLaws:
         self.followers: list[int] = []
         self.followers_at: list[int] = []
         self.pace, self.means, self.slopes, self.rows = np.zeros(0), np.zeros(0), np.zeros((0, x.size)), []
+        self.points: Points | None = None
         place = {number: k for k, number in enumerate(law.states)}
         if function is None or not set(self.moving) <= set(place):
             return
@@ -157,10 +194,11 @@ class SettledLaws:
         self.pace = np.array([paces[n] for n in self.followers])
         self.followers_at = [place[n] for n in self.followers]
         self.inputs = [k for k in whole if k not in self.followers_at]
-        drawn = _points(law.covariance, self.inputs, points)
+        self.points = _points(law.covariance, self.inputs, points)
         moved = np.tile(x, (points, 1))
-        moved[:, list(law.states)] += drawn[:, : len(law.states)]
+        moved[:, list(law.states)] += self.points.deviations[:, : len(law.states)]
         by_others = self.settle(moved)
+        self.drawn = moved, by_others
         self.means, self.slopes = moved[:, self.followers].mean(axis=0), by_others.mean(axis=0)
         values, slopes = self._slopes(moved)
         for j, number in enumerate(self.numbers):
@@ -175,6 +213,34 @@ class SettledLaws:
             by = slopes[:, j][:, [self.moving.index(n) for n in self.followers]]
             row += (by[:, :, None] * by_others).sum(axis=(0, 1)) / points - row[self.followers] @ self.slopes
             self.rows.append((number, float(values[:, j].mean()), row))
+
+    def of_second_order(self, law: Gaussian) -> QuadraticRows | None:
+        """What the laws are of second order, by the Gaussian of states alone."""
+        if self.points is None:
+            return None
+        x_by_u = np.zeros((self.size, self.points.u.shape[1]))
+        x_by_u[list(law.states)] = self.points.lift[: len(law.states)]
+        return QuadraticRows.of(self.points, *self.forms(self.points, *self.drawn, x_by_u))
+
+    def forms(self, points: Points, x: np.ndarray, by_others: np.ndarray,
+              x_by_u: np.ndarray) -> tuple[dict[int, np.ndarray], dict[int, float]]:  # fmt: skip
+        """Of second order by u, and sizes: see quadratic_rows; x (n, states): points with settled followers."""
+        forms: dict[int, np.ndarray] = {}
+        sizes: dict[int, float] = {}
+        if not self.rows:
+            return forms, sizes
+        slopes = self._slopes(x)[1]
+        followers = [self.moving.index(n) for n in self.followers]
+        for j, number in enumerate(self.numbers):
+            if number in self.followers:
+                k = self.followers.index(number)
+                by_u = self.pace[k] * by_others[:, k] @ x_by_u
+            else:
+                by = slopes[:, j, followers]
+                by_u = slopes[:, j] @ x_by_u[self.moving]
+                by_u += ((by - by.mean(axis=0))[:, :, None] * (by_others @ x_by_u)).sum(axis=1)
+            forms[number], sizes[number] = points.by(by_u), float(np.linalg.norm(by_u.mean(axis=0)))
+        return forms, sizes
 
     def _pulled(self, law: int, spread: np.ndarray, mean: np.ndarray) -> bool:
         """Whether a law pulls its state back from far on both sides, wherever the other states are."""
@@ -234,17 +300,19 @@ def _law_function(dae: Any, at: Any, laws: Laws) -> Arrays:
     return Arrays(one.map("laws_with_slopes", "serial", BLOCK, [1], []))
 
 
-def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> np.ndarray:
-    """Deviations (count, n) of this covariance (n, n), in pairs; the first of the order are spread most evenly."""
-    found = np.zeros((count, len(covariance)))
+def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> Points:
+    """Gaussian points of this covariance (n, n), in pairs; the first of the order are spread most evenly."""
     s = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     order = [k for k in order if s[k] > 0]
-    if order:
-        scaled = covariance[np.ix_(order, order)] / np.outer(s[order], s[order])
-        root = _root(scaled)
-        drawn = _normal(count // 2, len(order))
-        found[:, order] = np.vstack([drawn, -drawn]) @ root.T * s[order]
-    return found
+    lift, whitening = np.zeros((len(covariance), len(order))), np.zeros((len(order), len(covariance)))
+    if not order:
+        return Points(np.zeros((count, 0)), lift, whitening)
+    scaled = covariance[np.ix_(order, order)] / np.outer(s[order], s[order])
+    root = _root(scaled)
+    lift[order] = s[order, None] * root
+    whitening[:, order] = np.linalg.inv(root) / s[order]
+    drawn = _normal(count // 2, len(order))
+    return Points(np.vstack([drawn, -drawn]), lift, whitening)
 
 
 def _normal(count: int, size: int) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from fowtlib.frequency.expectations import Expectations, Expected, Gaussian, LawExpectations
+from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import State
 from fowtlib.solving.disturbed import DisturbedRows
@@ -30,16 +31,17 @@ Off = tuple[np.ndarray, np.ndarray, np.ndarray]
 class RestingRows:
     """The equations and results of a plant, as a linear model has them, with their expected values."""
 
-    def __init__(self, plant: Any, state: State, names: Sequence[str], further: Further):
+    def __init__(self, plant: Any, state: State, names: Sequence[str], further: Further, quadratic: bool):
         self.plant, self.at = plant, plant.at(state.parameters)
         self.slopes = slopes_of(self.at, plant.layout, plant.outputs, [], names, further)
         self.symbols = [symbol for name, symbol in further.symbols.items() if not name.startswith("law ")]
         key = "disturbed", tuple(names), tuple(further.symbols)
         make = partial(DisturbedRows, plant.dae, self.slopes.rows, self.symbols)
-        self.of = Expectations(plant, self.at, plant.functions.once(key, make))
+        self.of = Expectations(plant, self.at, plant.functions.once(key, make), quadratic)
         self.further, self.step = further, np.inf
         self.expected: Expected | None = None
         self.moving = moving_states(self.at.functions, set())
+        self.to = np.zeros((0, 0))
 
     def mixing(self, state: State, inputs: int) -> np.ndarray:
         """Signals by the inputs of the linear model."""
@@ -55,8 +57,8 @@ class RestingRows:
         guess: covariance of [states; inputs] of the linear model.
         """
         at = [[item.path for item in self.at.dae.states].index(path) for path in excited.linear.states]
-        M = self.mixing(state, excited.driven)
-        to = block_diag(np.eye(len(at)), M)
+        M = self.mixing(state, len(guess) - len(at))
+        self.to = to = block_diag(np.eye(len(at)), M)
         law = Gaussian(at, to @ guess @ to.T, len(M))
         q, n = np.concatenate([state.u, state.d]), state.x.size
         known = None if self.expected is None else (self.expected.by_x, self.expected.by_z, self.expected.by_signals)
@@ -85,6 +87,12 @@ class RestingRows:
         return new, (found.by_x - there[0], found.by_z - there[1], found.by_signals - there[2])
 
     @property
+    def quadratic(self) -> QuadraticRows | None:
+        """What the rows are of second order, by [states; inputs] of the linear model."""
+        found = None if self.expected is None else self.expected.quadratic
+        return None if found is None else replace(found, whitening=found.whitening @ self.to)
+
+    @property
     def shown(self) -> np.ndarray | None:
         """Expected results in their units."""
         if self.expected is None:
@@ -98,8 +106,9 @@ class TurningRows:
 
     shown = None
 
-    def __init__(self, plant: Any, state: State):
-        self.plant, self.at, self.step = plant, plant.at(state.parameters), np.inf
+    def __init__(self, plant: Any, state: State, quadratic: bool):
+        self.plant, self.at, self.step, self.wanted = plant, plant.at(state.parameters), np.inf, quadratic
+        self.quadratic: QuadraticRows | None = None
         self.of = LawExpectations(plant, self.at)
 
     def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray) -> tuple[State, Off]:
@@ -110,6 +119,12 @@ class TurningRows:
         numbers = [paths.index(excited.linear.states[k]) for k in own]
         law = Gaussian(numbers, guess[np.ix_(own, own)], 0)
         laws = self.of(state.t, state.x, np.concatenate([state.u, state.d]), law)
+        found = laws.of_second_order(law) if self.wanted else None
+        if found is not None:  # by all states of the linear model
+            whole = np.zeros((len(found.whitening), len(excited.linear.states)))
+            whole[:, own] = found.whitening
+            found = replace(found, whitening=whole)
+        self.quadratic = found
         n, free = state.x.size, average.free
         rates, slopes = mean.rates.copy(), mean.slopes[:, :n].copy()
         for number, value, row in laws.rows:

@@ -27,6 +27,7 @@ from fowtlib.frequency.equivalent import equivalent
 from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.known_rows import Known, OfFrequency
+from fowtlib.frequency.products import fed_back
 from fowtlib.frequency.rotation import Turned, speeds_by_states, with_rotation
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.shifts import Shifts
@@ -45,7 +46,7 @@ Members = dict[str, tuple[Any, list[Signal]]]
 """Processes that drive signals, with these, by path."""
 
 
-TANGENT, EQUIVALENT = "tangent", "equivalent"
+TANGENT, EQUIVALENT, QUADRATIC = "tangent", "equivalent", "quadratic"
 SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
 
 
@@ -73,16 +74,17 @@ def response(
     state        mean state; None: found
     tolerance    of the gains of drag, relative, at which the fixed point ends; at 1e-8 or less where rounding ends it
     linearisation  "tangent": about the mean in mean wind; "equivalent": of the least mean square error for the response
-                 itself, of mean and equations, which knows of corners and of curved tables; see frequency.equivalent
+                 itself, of mean and equations, which knows of corners and of curved tables; see frequency.equivalent;
+                 "quadratic": that, and what products of fluctuations add as loads of their own, the share "products"
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag or the equivalent
     linearisation does not settle.
     """
     plant = plant_of(model)
     _check_numbers(tolerance, state)
-    if linearisation not in (TANGENT, EQUIVALENT):
-        raise ModelError(f"linearisation: '{linearisation}' is not '{TANGENT}' or '{EQUIVALENT}'.")
-    if linearisation == EQUIVALENT and shifted:
+    if linearisation not in (TANGENT, EQUIVALENT, QUADRATIC):
+        raise ModelError(f"linearisation: '{linearisation}' is not '{TANGENT}' or '{EQUIVALENT}' or '{QUADRATIC}'.")
+    if linearisation != TANGENT and shifted:
         raise ModelError("shifted: modes are shifted about the mean in mean wind, with linearisation='tangent'.")
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
@@ -103,18 +105,18 @@ def response(
                 )
             if shifted:
                 excited = with_shifts(excited, settled_gains(excited, processes, given, tolerance)[0], shifted)
-            expected = None
-            if linearisation == EQUIVALENT:
+            expected, through = None, dict[str, np.ndarray]()
+            if linearisation != TANGENT:
 
                 def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
                     if model.rotating.average is not None:
                         model = with_few_channels(model, root, signals)
                     return model, _processes(model, root, signals, known)
 
-                found = equivalent(plant, state, names, driven, given, tolerance)
+                found = equivalent(plant, state, names, driven, given, tolerance, linearisation == QUADRATIC)
                 state, excited, gains, grid, iterations = (found.state, found.excited, found.gains, found.grid,
                                                            found.iterations)  # fmt: skip
-                expected = found.shown
+                expected, through = found.shown, dict(found.through)
             else:
                 gains, grid, iterations = settled_gains(excited, processes, given, tolerance, study.gains(excited))
                 study.keep_gains(excited, gains)
@@ -126,7 +128,7 @@ def response(
         by_states = speeds_by_states(excited.rotating)
         rows = np.vstack([np.eye(len(linear.states))[[linear.states.index(path) for path in paths]], by_states])
         names_of = [*paths, *(f"speed of rotor {k}" for k in range(len(by_states)))]
-        answers = grid.answers(with_states(linear, excited.results, rows, names_of))
+        answers = fed_back(grid.answers(with_states(linear, excited.results, rows, names_of)), through)
     H = {path: values[:, : excited.results] for path, values in answers.items()}
     own = {path: values[:, excited.results :] for path, values in answers.items()}
     of_laws = {path: values[:, : len(paths)] for path, values in own.items()}

@@ -82,7 +82,8 @@ class ExcitedModel:
     then the inputs of the laws. fields: columns of the inputs, and the places of one component of one field; bases: by
     their number what these columns are sums of, where they are, see RandomField.density. laws: paths of the laws, and
     their columns among what is added. results: number of the first and second of these outputs. means: of the
-    inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are.
+    inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are. beside: what
+    is added to other rows of [ode; alg; outputs], which were asked for.
     """
 
     linear: LinearModel
@@ -95,6 +96,7 @@ class ExcitedModel:
     rotating: RotatingLinearModel
     further: Further
     bases: Mapping[int, np.ndarray] = field(default_factory=dict)
+    beside: Forces | None = None
 
     @cached_property
     def compact(self) -> dict[Any, ExcitedModel]:
@@ -196,10 +198,12 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = None) -> ExcitedModel:
+def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = None,
+                  beside: tuple[int, ...] = ()) -> ExcitedModel:  # fmt: skip
     """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. off: see Further. All runs of one mean have it in common: what there is of waves and
+    names: results and variables. off: see Further. beside: rows, see ExcitedModel.
+    All runs of one mean have it in common: what there is of waves and
     of turbulence in each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
@@ -224,12 +228,13 @@ def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = Non
         return whole
 
     speeds, rows = at.functions.once("motions", lambda: _motions(at))
-    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows, off)
+    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, (*rows, *beside), off)
     rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
-    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
+    linear, more = _without_forces(rotating.linear, (), len(beside))
+    linear, forces = _without_forces(linear, speeds, len(rows))
     means = means_of_laws(at, state)
     return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, means, forces, rotating,
-                        replace(further, added=()))  # fmt: skip
+                        replace(further, added=()), beside=more if beside else None)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
