@@ -43,6 +43,10 @@ FEWEST = 3  # iterations; the first guess has too small a covariance
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
 SLOWEST = 1e-4  # 1/s, at least
+TURNING = (
+    "linearisation='quadratic' does not know the products in rotors of blade elements that turn. Take 'equivalent', or "
+    "a rotor of coefficients."
+)
 
 Driven = Callable[[ExcitedModel], tuple[ExcitedModel, Processes]]
 """The linear model by the channels that count, and the random processes that drive it."""
@@ -69,17 +73,15 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
                tolerance: float, quadratic: bool = False) -> Equivalent:  # fmt: skip
     """The equivalent linearisation that starts from a mean state in mean wind; see the module.
 
-    quadratic: with products of fluctuations as loads of their own.
-    Where rotors of blade elements turn it is that of the laws with corners alone, which are no loads of these rotors.
-    SimulationError where the fixed point is not found.
+    quadratic: with products of fluctuations as loads of their own. Where rotors of blade elements turn it is that of
+    the laws with corners alone, which are no loads of these rotors. SimulationError where the fixed point is not found,
+    or products are asked for there.
     """
     excited = excited_model(plant, state, names)
     turning = excited.rotating.average is not None
-    rows = (
-        TurningRows(plant, state, quadratic)
-        if turning
-        else RestingRows(plant, state, names, excited.further, quadratic)
-    )
+    if turning and quadratic:
+        raise SimulationError(TURNING)
+    rows = TurningRows(plant, state) if turning else RestingRows(plant, state, names, excited.further, quadratic)
     guess, last, given = None, None, frequency
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None

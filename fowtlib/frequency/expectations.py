@@ -179,7 +179,6 @@ class SettledLaws:
         self.followers: list[int] = []
         self.followers_at: list[int] = []
         self.pace, self.means, self.slopes, self.rows = np.zeros(0), np.zeros(0), np.zeros((0, x.size)), []
-        self.points: Points | None = None
         place = {number: k for k, number in enumerate(law.states)}
         if function is None or not set(self.moving) <= set(place):
             return
@@ -194,11 +193,9 @@ class SettledLaws:
         self.pace = np.array([paces[n] for n in self.followers])
         self.followers_at = [place[n] for n in self.followers]
         self.inputs = [k for k in whole if k not in self.followers_at]
-        self.points = _points(law.covariance, self.inputs, points)
         moved = np.tile(x, (points, 1))
-        moved[:, list(law.states)] += self.points.deviations[:, : len(law.states)]
+        moved[:, list(law.states)] += _points(law.covariance, self.inputs, points).deviations[:, : len(law.states)]
         by_others = self.settle(moved)
-        self.drawn = moved, by_others
         self.means, self.slopes = moved[:, self.followers].mean(axis=0), by_others.mean(axis=0)
         values, slopes = self._slopes(moved)
         for j, number in enumerate(self.numbers):
@@ -213,14 +210,6 @@ class SettledLaws:
             by = slopes[:, j][:, [self.moving.index(n) for n in self.followers]]
             row += (by[:, :, None] * by_others).sum(axis=(0, 1)) / points - row[self.followers] @ self.slopes
             self.rows.append((number, float(values[:, j].mean()), row))
-
-    def of_second_order(self, law: Gaussian) -> QuadraticRows | None:
-        """What the laws are of second order, by the Gaussian of states alone."""
-        if self.points is None:
-            return None
-        x_by_u = np.zeros((self.size, self.points.u.shape[1]))
-        x_by_u[list(law.states)] = self.points.lift[: len(law.states)]
-        return QuadraticRows.of(self.points, *self.forms(self.points, *self.drawn, x_by_u))
 
     def forms(self, points: Points, x: np.ndarray, by_others: np.ndarray,
               x_by_u: np.ndarray) -> tuple[dict[int, np.ndarray], dict[int, float]]:  # fmt: skip

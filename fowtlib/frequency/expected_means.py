@@ -104,11 +104,11 @@ class RestingRows:
 class TurningRows:
     """The same of a model in which rotors of blade elements turn: its laws with corners alone (frequency.corners)."""
 
-    shown = None
+    shown: np.ndarray | None = None
+    quadratic: QuadraticRows | None = None
 
-    def __init__(self, plant: Any, state: State, quadratic: bool):
-        self.plant, self.at, self.step, self.wanted = plant, plant.at(state.parameters), np.inf, quadratic
-        self.quadratic: QuadraticRows | None = None
+    def __init__(self, plant: Any, state: State):
+        self.plant, self.at, self.step = plant, plant.at(state.parameters), np.inf
         self.of = LawExpectations(plant, self.at)
 
     def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray) -> tuple[State, Off]:
@@ -119,12 +119,6 @@ class TurningRows:
         numbers = [paths.index(excited.linear.states[k]) for k in own]
         law = Gaussian(numbers, guess[np.ix_(own, own)], 0)
         laws = self.of(state.t, state.x, np.concatenate([state.u, state.d]), law)
-        found = laws.of_second_order(law) if self.wanted else None
-        if found is not None:  # by all states of the linear model
-            whole = np.zeros((len(found.whitening), len(excited.linear.states)))
-            whole[:, own] = found.whitening
-            found = replace(found, whitening=whole)
-        self.quadratic = found
         n, free = state.x.size, average.free
         rates, slopes = mean.rates.copy(), mean.slopes[:, :n].copy()
         for number, value, row in laws.rows:

@@ -26,13 +26,16 @@ import numpy as np
 from fowtlib.analysis.spectra import mean_square_below
 from fowtlib.frequency.driven import Process
 from fowtlib.frequency.quadratic_rows import QuadraticRows
+from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel
 
 PRODUCTS = "products"
-LEFT_OUT = (
-    1e-7  # of the squares of all forms, in channels and directions that are not taken: slow swings are small there
+STRONG = (
+    "the products of fluctuations cannot be told from each other, or are as strong as what is linear. Take "
+    "linearisation='equivalent', or runs."
 )
+LEFT_OUT = 1e-7  # of the squares of all forms, in channels and directions not taken: slow swings are small there
 DIRECTIONS = 24  # at most
 BEYOND = 1e-4  # of the variance of a direction: what may lie above the highest frequency
 LINES = 1 << 13  # at most, of the axis of the spectra
@@ -121,7 +124,10 @@ class Products:
         G = y[PRODUCTS]
         lines, kernel = feedback(self.channels.forms, self.step, self.correlations, frequency, G)
         K = _at(frequency, lines, kernel)
-        return {path: np.linalg.solve(np.eye(K.shape[1]) - K @ G, K @ of) for path, of in y.items()}
+        try:
+            return {path: np.linalg.solve(np.eye(K.shape[1]) - K @ G, K @ of) for path, of in y.items()}
+        except np.linalg.LinAlgError:
+            raise SimulationError(STRONG) from None
 
 
 def fed_back(transfer: Mapping[str, np.ndarray], through: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -135,10 +141,13 @@ def correlations(frequency: np.ndarray, cross: np.ndarray) -> tuple[float, np.nd
     """Step of frequencies [Hz], and R (n, m, m) of Gaussian y at n lags in a period of one over it.
 
     cross: one-sided cross spectra (q, m, m) per Hz at rising frequencies, exp(+i omega t). They count as those of y
-    with a covariance of one, which their shape is then that of.
+    with a covariance of one, which their shape is then that of. SimulationError where they depend on each other.
     """
     below = mean_square_below(frequency, np.moveaxis(cross, 0, -1))
-    one = np.linalg.inv(np.linalg.cholesky(below[..., -1].real))
+    try:
+        one = np.linalg.inv(np.linalg.cholesky(below[..., -1].real))
+    except np.linalg.LinAlgError:
+        raise SimulationError(STRONG) from None
     below = np.moveaxis(one @ np.moveaxis(below, -1, 0) @ one.T, 0, -1)
     own = np.diagonal(below.real, axis1=0, axis2=1)  # (q, m)
     top = float(frequency[np.flatnonzero((own >= 1 - BEYOND).all(axis=1))[0]])

@@ -101,8 +101,9 @@ def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toleran
     """From a solution of equations that have changed a little, with the slopes there alone, by Broyden's updates.
 
     None where the steps do not become shorter from the third on, or not fast. Of equations whose slopes take as long as
-    ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's. C. T.
-    Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), algorithm 7.3.1 (brsol).
+    ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's; what it
+    leaves is judged by the slopes alone, as updates may make any step short. C. T. Kelley, Iterative Methods for Linear
+    and Nonlinear Equations (1995), algorithm 7.3.1 (brsol).
     """
     values, last, steps, done = np.array(start, dtype=float), np.inf, [], False
     try:
@@ -114,12 +115,14 @@ def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toleran
         for before, after in zip(steps[:-1], steps[1:], strict=True):
             step = step + after * (before @ step / (before @ before))
         if steps:
-            step = step / (1 - steps[-1] @ step / (steps[-1] @ steps[-1]))
+            with np.errstate(divide="ignore", invalid="ignore"):  # of steps without an end, which are seen below
+                step = step / (1 - steps[-1] @ step / (steps[-1] @ steps[-1]))
         largest = float(np.max(np.abs(step) / (1.0 + np.abs(values)), initial=0.0))
         if done or largest == 0.0:
             values = values + step
             final = residual(values)
-            return NewtonResult(values, final, True, iteration + 1) if np.all(np.isfinite(final)) else None
+            left = float(np.max(np.abs(solved(final)) / (1.0 + np.abs(values)), initial=0.0))
+            return NewtonResult(values, final, True, iteration + 1) if left < tolerance else None
         if not np.isfinite(largest) or (iteration > 1 and largest > last / 2):
             return None
         values, last, done = values + step, largest, largest < tolerance

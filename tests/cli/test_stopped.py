@@ -27,7 +27,7 @@ def _heeded():
 @pytest.mark.parametrize("whole_group", [True, False], ids=["group", "process"])
 @pytest.mark.parametrize("texts", [2, 3], ids=["beside", "waited_for"])
 def test_a_run_stops_while_it_compiles(tmp_path, texts, whole_group):
-    """texts: how many compilers have begun. For the third the command waits; the first, of what the processor can, is done.
+    """texts: how many compilers have begun; for the third the command waits, the first, of the processor, is done.
 
     A terminal stops the whole group.
     """

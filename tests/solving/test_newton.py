@@ -56,3 +56,10 @@ def test_slopes_that_do_not_serve_elsewhere_are_told():
     assert beside(*problem(lambda v: v**2, lambda v: 0 * v), np.array([1.0])) is None  # singular
     assert beside(residual, jacobian, np.zeros(1)).converged  # there already
     assert beside(residual, jacobian, np.zeros(0)).converged  # nothing to solve
+
+
+def test_a_short_step_of_updates_is_no_solution():
+    """x^3 + 1 = 0 from 0.6, where slopes are far off: what comes back is the root, or nothing."""
+    for start in np.linspace(-3, 3, 121):
+        found = beside(lambda x: x**3 + 1, lambda x: np.diag(3 * x**2), np.array([start]), tolerance=1e-8)
+        assert found is None or abs(found.values[0] + 1) < 1e-7

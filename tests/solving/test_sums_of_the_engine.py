@@ -10,7 +10,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language.native import compiler, load_library
-from fowtlib.solving.engines import fixed_step, fixed_step_code
+from fowtlib.solving.engines import c_lanes, fixed_step, fixed_step_code
 from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR, word_here
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -21,7 +21,8 @@ VECTORS = "#ifdef __GNUC__\n  typedef double four"
 
 def text_of(monkeypatch, word: int) -> str:
     """The text of the runtime for vectors of so many numbers; of 0: for compilers that have none."""
-    monkeypatch.setattr(fixed_step_code, "word_here", lambda: word or ANY_PROCESSOR)
+    for module in (c_lanes, fixed_step_code):
+        monkeypatch.setattr(module, "word_here", lambda: word or ANY_PROCESSOR)
     text = fixed_step_code._runtime_text()
     assert text.count("clang attribute push") == text.count("clang attribute pop") == (word > ANY_PROCESSOR)
     assert text.count(VECTORS) == 1
