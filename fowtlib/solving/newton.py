@@ -101,9 +101,9 @@ def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toleran
     """From a solution of equations that have changed a little, with the slopes there alone, by Broyden's updates.
 
     None where the steps do not become shorter from the third on, or not fast. Of equations whose slopes take as long as
-    ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's; what it
-    leaves is judged by the slopes alone, as updates may make any step short. C. T. Kelley, Iterative Methods for Linear
-    and Nonlinear Equations (1995), algorithm 7.3.1 (brsol).
+    ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's; what
+    it leaves is judged by the slopes alone, as updates may make any step short. C. T. Kelley, Iterative Methods for
+    Linear and Nonlinear Equations (1995), algorithm 7.3.1 (brsol).
     """
     values, last, steps, done = np.array(start, dtype=float), np.inf, [], False
     try:
