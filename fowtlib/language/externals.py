@@ -149,6 +149,11 @@ def runs_as_python(function: ca.Function) -> bool:
     return getattr(function, "stands_in", False)
 
 
+def says_why(function: ca.Function) -> bool:
+    """Whether an external function has words of its own for where it has no value."""
+    return isinstance(function, _Python) or getattr(function, "explain", str) is not str
+
+
 class LibraryFunction(ca.Function):
     """A function of a shared library that holds it and knows its path, for engines that call the library themselves.
 

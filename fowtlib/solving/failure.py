@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.language.externals import runs_as_python
+from fowtlib.language.externals import says_why
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.functions import AtParameters
 
@@ -23,8 +23,8 @@ def integration_failure(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray
         h = reach * step
         try:
             name = not_finite(at, t + h, x + h * ode if h else x, z, q)
-        except RuntimeError:  # of compiled externals; those in Python say more themselves
-            if any(runs_as_python(external.function) for external in at.dae.externals):
+        except RuntimeError:
+            if any(says_why(external.function) for external in at.dae.externals):
                 raise
             paths = ", ".join(dict.fromkeys(external.path or "the model" for external in at.dae.externals))
             return f"{where}: an external function has no value there. Look at those of {paths}: {reason}."
