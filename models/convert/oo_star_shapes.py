@@ -7,38 +7,22 @@ most), its six lowest shapes and six of loads at the foot of the tower, and the 
 """
 
 import sys
-import tempfile
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from hull_by_strips import MODELS, hull_by_strips
 
-import fowtlib as fw
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.platform import modal_database
 
-MODELS = Path(__file__).parents[1]
-PLATFORM = MODELS / "platforms" / "oo_star_elastic.yaml"
 TARGET = MODELS / "data" / "oo_star" / "shapes.nc"
 CONCRETE = {"young_modulus": 35e9, "shear_modulus": 35e9 / 2.4}
+DEPTH = 130.0  # m
 SHAPES, LONGEST = 6, 8.0
 OMEGA = np.array([*np.arange(1, 17) / 10, 1.8, 2.0, 2.4, 2.8, 3.4, 3.7])
 HEADINGS = np.arange(-180, 181, 15)
-
-
-def floater():
-    """The hull of the platform, by strips: before there is a database."""
-    text = f"""fowtlib: 1
-world: {{class: World, water_depth: 130 m, water_density: 1025 kg/m^3}}
-parts: {{platform: {{use: {PLATFORM}, parts: {{hull: {{database: null, shapes: {SHAPES}}}}}}}}}
-connect:
-  - [world.frame, platform.world]
-"""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "hull.yaml"
-        path.write_text(text)
-        return fw.load(path).root.find("platform.hull")
 
 
 def convert(size: float = 4.0, target: Path = TARGET) -> ModalDatabase:
@@ -46,7 +30,8 @@ def convert(size: float = 4.0, target: Path = TARGET) -> ModalDatabase:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the shortest waves are too short for the panels; they move little
         found = modal_database(
-            floater(), SHAPES, omega=OMEGA, headings=np.radians(HEADINGS), panel=size, water_depth=130.0,
+            hull_by_strips("oo_star_elastic", DEPTH, SHAPES), SHAPES, omega=OMEGA, headings=np.radians(HEADINGS),
+            panel=size, water_depth=DEPTH,
             longest=LONGEST, attached=[[0.0, 0.0, 11.0]],
             progress=lambda done, total: print(f"{done} of {total}", flush=True), **CONCRETE,
         )  # fmt: skip
