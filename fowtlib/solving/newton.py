@@ -107,7 +107,7 @@ def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toleran
     """
     values, last, steps, done = np.array(start, dtype=float), np.inf, [], False
     try:
-        solved = _solver(jacobian(values))
+        solved = factored(jacobian(values))
     except RuntimeError:
         return None
     for iteration in range(limit):
@@ -128,24 +128,6 @@ def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toleran
         values, last, done = values + step, largest, largest < tolerance
         steps.append(step)
     return None
-
-
-def _solver(matrix: sparse.spmatrix | np.ndarray) -> Residual:
-    """The solution of matrix @ x = right for one right side after the other; see `solve`."""
-    size = matrix.shape[0]
-    if size > DENSE:
-        from scipy import sparse
-        from scipy.sparse.linalg import splu
-
-        return splu(sparse.csc_matrix(matrix)).solve
-    if not size:
-        return lambda right: right
-    from scipy.linalg.lapack import dgetrf, dgetrs
-
-    factors, pivots, info = dgetrf(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
-    if info:
-        raise RuntimeError("singular matrix")
-    return lambda right: dgetrs(factors, pivots, right)[0]
 
 
 def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[np.ndarray, bool]:
@@ -171,16 +153,22 @@ def solve(matrix: sparse.spmatrix | np.ndarray, right: np.ndarray) -> np.ndarray
     Small matrices are solved as dense ones; by SciPy's LAPACK, for NumPy's waits for its threads on a busy machine
     (a system of 126 equations: 1 ms against 270 ms).
     """
-    if len(right) > DENSE:
+    return factored(matrix)(right)
+
+
+def factored(matrix: sparse.spmatrix | np.ndarray) -> Residual:
+    """`solve` for one right side after the other, by the factors of the matrix."""
+    size = matrix.shape[0]
+    if size > DENSE:
         from scipy import sparse
         from scipy.sparse.linalg import splu
 
-        return splu(sparse.csc_matrix(matrix)).solve(right)
-    if not len(right):
-        return right
-    from scipy.linalg.lapack import dgesv
+        return splu(sparse.csc_matrix(matrix)).solve
+    if not size:
+        return lambda right: right
+    from scipy.linalg.lapack import dgetrf, dgetrs
 
-    _, _, solution, info = dgesv(matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), right)
+    factors, pivots, info = dgetrf(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
     if info:
         raise RuntimeError("singular matrix")
-    return solution
+    return lambda right: dgetrs(factors, pivots, right)[0]

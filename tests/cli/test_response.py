@@ -40,6 +40,8 @@ def test_mistakes_of_response(capsys: pytest.CaptureFixture[str]):
     assert "the model has no result 'heavy'; did you mean 'heave'?" in capsys.readouterr().err
     assert main(["response", "oc3_spar_rigid", "--wind", "none", "--waves", "still"]) == 2
     assert "takes anything from random waves or wind" in capsys.readouterr().err
+    assert main(["response", "oc3_spar_rigid_bem", "--linearisation", "quadratic"]) == 2
+    assert "does not know the products in rotors of blade elements that turn" in capsys.readouterr().err
 
 
 def test_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -64,6 +66,7 @@ def test_mistakes_of_response_over_many_states(tmp_path: Path, capsys: pytest.Ca
 
     assert "--bins belongs to many states" in said("--bins")
     assert "--plot is for one state" in said("--site", "northern_north_sea", "--plot", "x.png")
+    assert "equivalent is for one state" in said("--site", "northern_north_sea", "--linearisation", "equivalent")
     assert "there is no site 'nowhere'" in said("--site", "nowhere")
     states = tmp_path / "states.csv"
     states.write_text("wind_speed,Hs,Tp,probably\n8,2,9,0.4\n")
