@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.hydro.hull_mesh import HullMesh
@@ -14,7 +15,7 @@ from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.platform.bending_hull import BendingHull
 from fowtlib.components.platform.bending_members import BendingMemberLoads, SectionLoads
 from fowtlib.components.platform.floater import Floater
-from fowtlib.components.platform.frame_loads import check_mesh, water_at_rest
+from fowtlib.components.platform.frame_loads import check_carried, check_mesh, water_at_rest
 from fowtlib.components.platform.member_frame import MemberFrame
 from fowtlib.components.platform.shape_numbers import (
     RHO,
@@ -111,6 +112,7 @@ def modal_database(
 
     hull = floater.hull()
     structure = MemberFrame(hull, longest, young_modulus, shear_modulus)
+    check_carried(structure, np.asarray(attached, dtype=float).reshape(-1, 3), f"{floater.label}, attached")
     shapes = shapes_of(structure, count, attached).shapes
     if mesh is None:
         mesh = HullMesh(hull.panels(panel), hull.lids(panel), floater.label, join=SAME_NODE)

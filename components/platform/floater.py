@@ -20,7 +20,7 @@ from fowtlib.components.platform.hull import APART, Hull
 from fowtlib.components.platform.member_parts import MemberLoads, members_of
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.regimes import regime
-from fowtlib.language import Array, Data, Scalar, Vector, data, outer, param, port, shapes
+from fowtlib.language import Array, Data, Number, Scalar, Vector, data, outer, param, port, shapes
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
 
@@ -38,13 +38,17 @@ class Floater(FlowSettings):
     frame is the reference point of the hull, on the still water level at rest; `nodes` are frames at further points,
     for towers and moorings. With a `database` added mass, radiation and wave loads come from there; buoyancy and
     stiffness stay those of the members, whose volume must be that of the database within 5 %. Without one, members with
-    an `added_mass_coefficient` have the inertia of the water.
+    an `added_mass_coefficient` have the inertia of the water. With `turning` the wave loads of the database follow the
+    yaw; the waves in the drag of members are those at the places that these have at the `yaw_at_rest`.
     Raises ParameterError for members that do not meet, ballast above its tank, and a hull that turns over.
     """
 
     raised: Scalar = param(default=0.0, unit="m", doc="how much higher members lie than their coordinates say")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world; z is zero")
     database: Data[HydrodynamicDatabase] = data(read_database, default=None, doc="potential flow of the hull, or none")
+    yaw_at_rest: Number = param(
+        default=0.0, unit="rad", bound=True, doc="of a turning hull: its members resist the waves at their places there"
+    )
     held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
     material: str = param(default="hull", choices=shapes.MATERIALS, doc="what it looks like; glass is seen through")
     node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
@@ -159,6 +163,8 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
             f"{floater.label}: its members displace {hull.buoyancy.volume:.6g} m^3, and the hull of its database "
             f"{known.volume:.6g} m^3; they are not the same hull, or not at the same draft."
         )
+    if not floater.turning:
+        floater.refuse_unused("yaw_at_rest", because="the hull is not turning")
     mass, water = hull.mass, hull.buoyancy
     stiffness = _RHO * float(floater.world.parameter_value("gravity")) * water.waterplane
     return np.concatenate(

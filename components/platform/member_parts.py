@@ -15,6 +15,7 @@ from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.linear_loads import PlatformLoad
 from fowtlib.components.hydro.strips import Strip, deforming_drag_loads, deforming_inertia_loads
+from fowtlib.components.hydro.turning_waves import TurningWaveExcitation
 from fowtlib.components.platform.contents import Ballast, Bulkhead, LumpedMass
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, facts, outer, param, shapes, var
@@ -315,7 +316,18 @@ def _strips(member: Member, found) -> list[Strip]:
 def _places(member: Member) -> np.ndarray:
     """Places (k, 3) of the strips at rest, world."""
     numbers = _strip_numbers(member)[_PER_MEMBER:].reshape(-1, _PER_STRIP)
-    return numbers[:, :3] + floater_of(member).parameter_value("position")
+    return _at_rest(floater_of(member), numbers[:, :3])
+
+
+def _at_rest(floater: Floater, points: np.ndarray) -> np.ndarray:
+    """Places (k, 3) of points of the frame at rest, world; a turning hull rests turned about its pivot."""
+    yaw, pivot = float(floater.parameter_value("yaw_at_rest")), np.zeros(3)
+    for part in floater.walk():
+        if isinstance(part, TurningWaveExcitation):
+            pivot = np.asarray(part.parameter_value("pivot"), dtype=float)
+    c, s = np.cos(yaw), np.sin(yaw)
+    turned = (points - pivot) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return turned + pivot + floater.parameter_value("position")
 
 
 def _water(member: Member, what: str, count: int, unit: str):
@@ -336,8 +348,7 @@ def _acceleration(waves: WaveComponents, member: Member) -> np.ndarray:
 
 
 def _elevation(waves: WaveComponents, member: Member) -> np.ndarray:
-    place = _strip_numbers(member)[10:13] + floater_of(member).parameter_value("position")
-    return waves.elevation_transfer(place)
+    return waves.elevation_transfer(_at_rest(floater_of(member), _strip_numbers(member)[None, 10:13]))
 
 
 def has_inertia(member: Member) -> bool:

@@ -86,8 +86,10 @@ def shapes_in_use(floater: BendingHull) -> ShapesInUse:
     """Those of its database; without one computed, the water at rest on panels as wide as beams are long."""
     known = floater.database
     if known is None:
+        structure = floater.member_frame()
         attached = rows_of(floater, "node_points")[: floater.attached] + _raised(floater)
-        used = _own_shapes(floater.member_frame(), floater.shapes, tuple(map(tuple, attached.tolist())))
+        check_carried(structure, attached, f"{floater.label}.node_points")
+        used = _own_shapes(structure, floater.shapes, tuple(map(tuple, attached.tolist())))
         if len(used.shapes) != floater.count:
             raise ParameterError(
                 f"{floater.label}: its attached nodes do not have six shapes each beside the {floater.shapes} lowest; "

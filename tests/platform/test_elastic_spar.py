@@ -83,6 +83,7 @@ def test_mistakes_are_told():
     for settings, said in (
         ({}, "has neither a database nor shapes"),
         ({"shapes": 2, "attached": 2}, "attached is 2, and there are 1 node_points"),
+        ({"shapes": 2, "attached": 1, "node_points": [[0, 60, 10]]}, r"^hull.node_points\[0\]: .* meets no node"),
         ({"shapes": 400}, "shapes, and 400 are asked; set longest"),
     ):
         with pytest.raises(ModelError, match=said):

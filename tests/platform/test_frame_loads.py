@@ -226,3 +226,5 @@ def test_sections_are_on_members():
     check_on_axes(structure, [[15.0, 0, 9.0]], "floater.section_points")
     with pytest.raises(ParameterError, match=r"floater.section_points: the point \(15, 0, 10\) m lies on no beam"):
         check_on_axes(structure, [[15.0, 0, 10.0]], "floater.section_points")
+    with pytest.raises(ParameterError, match=r"^floater.section_points: the point \(0, 90, 0\) m lies on no beam"):
+        check_on_axes(structure, [[0, 90.0, 0]], "floater.section_points")  # off the hull

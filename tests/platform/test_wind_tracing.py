@@ -156,3 +156,29 @@ def test_damping_and_phase_of_the_formulas():
     np.testing.assert_allclose(B[[0, 0, 4, 5, 0], [0, 4, 4, 5, 5]] / damping, [3, 270, 3 * 8100, 2e4, 0], atol=1e-9)
     # a thin column: J1' -> 1/2 and Y1' -> 2/(pi x^2), so that delta -> -pi/2
     assert rotor_formulas.wave_phase(0.01, 1.935) == pytest.approx(-np.pi / 2, abs=1e-3)
+
+
+def turned(by: float, name: str = "platform.motion") -> dict[str, float]:
+    """Start of the platform in calm air, turned about its turret by an angle [rad]; the turret stays as it is."""
+    arm = 277.2 / np.sqrt(3) - 40.05
+    place = {"surge": arm * np.cos(by), "sway": arm * np.sin(by), "yaw": by}
+    return {**{f"{name}.{motion}": value for motion, value in place.items()}, "platform.bearing.phi": -by}
+
+
+def test_turned_by_ninety_degrees_it_moves_as_one_that_was_built_at_this_heading():
+    """Waves from 50 deg aside of each, calm air, four lines that are alike from either side: 0.2 % of the largest."""
+    found = []
+    for angle in (0.0, np.pi / 2):
+        sea = {"spectrum": "jonswap", "significant_wave_height": 3.1, "peak_period": 10.1, "heading": angle + 0.87}
+        waves = {"wind.kind": "none", **{f"sea.{name}": value for name, value in sea.items()}}
+        waves["platform.hull.yaw_at_rest"] = angle
+        result = plant().simulate(120.0, output_step=0.5, parameters=waves, start=turned(angle))
+        motion = np.array([result[name] for name in MOTIONS]).T
+        c, s = np.cos(angle), np.sin(angle)
+        motion[:, :2] = motion[:, :2] @ np.array([[c, -s], [s, c]])  # along the axes of the hull as it was built
+        motion[:, 5] -= np.degrees(angle)
+        found.append(motion)
+    built, after = found
+    size = np.abs(built - built[0]).max(axis=0)
+    assert (size[[0, 1, 2]] > 0.05).all() and (size[3:] > 0.02).all()
+    np.testing.assert_allclose(after / size, built / size, rtol=0, atol=2e-3)
