@@ -28,7 +28,7 @@ BALLAST, LEVEL, STANDING = 13.30671e6, -59.6978, (9.538e5 + 676.7e3) * 9.80665  
 
 def members(kind, **settings):
     z = np.array(HULL["heights"])
-    floater = kind(node_points=[[0, 0, 10.0]], **settings)
+    floater = kind(**{"node_points": [[0, 0, 10.0]], **settings})
     floater.column = CircularMember(
         start=(0, 0, z[0]), end=(0, 0, z[-1]), stations=(z - z[0]) / (z[-1] - z[0]), diameters=HULL["diameters"],
         wall_thickness=HULL["walls"], density=7850 * 1.04, added_mass_coefficient=1.0, sections=30,
