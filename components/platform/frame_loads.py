@@ -151,12 +151,13 @@ def check_on_axes(structure: MemberFrame, places: ArrayLike, name: str) -> None:
     """Raises ParameterError for a point that lies in no beam of the frame, as inside of a wider member."""
     for x, y, z in np.asarray(places, dtype=float).reshape(-1, 3):
         point = np.array([x, y, z])
-        off, _ = structure.nearest(point)
-        if off <= FAR:
+        apart = np.inf
+        if structure.nearest(point)[0] <= FAR:
             beam, share = structure.carrier(point)
             piece = structure.pieces[beam]
             axis = structure.hull.members[piece.member].at(piece.low + share * (piece.high - piece.low))
-        if off > FAR or np.linalg.norm(axis - point) > 0.01 * max(1.0, structure.longest):
+            apart = float(np.linalg.norm(axis - point))
+        if apart > 0.01 * max(1.0, structure.longest):
             raise ParameterError(
                 f"{name}: the point ({x:g}, {y:g}, {z:g}) m lies on no beam of the frame; a section is on the "
                 "axis of a member, outside of wider ones."
