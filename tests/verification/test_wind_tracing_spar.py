@@ -17,7 +17,6 @@ from fowtlib.frequency import rotor_formulas
 CALM = {"wind.kind": "none", "sea.spectrum": "still"}
 WIND = {"wind.kind": "steady", "wind.mean_speed": 11.4, "sea.spectrum": "still"}
 PERIODS = np.array([8.0, 10.0, 12.5, 15.0, 18.0, 20.0, 22.0, 25.0])  # s
-AREA = np.pi * 63**2
 FAIRLEADS = -70.0  # m
 
 
