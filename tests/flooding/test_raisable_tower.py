@@ -244,6 +244,19 @@ def test_it_is_raised_in_waves_within_its_limits(plant):
     assert np.ptp(array(result, "heave")) > 0.02
 
 
+def test_with_play_its_rings_knock_and_it_rises_all_the_same(raised):
+    """2 m of 9 s, 20 mm: the place of the tower to 2 cm, rings no deeper in the wall than 15 mm, more acceleration."""
+    sea = {"sea.spectrum": "regular", "sea.wave_height": 2.0, "sea.wave_period": 9.0, "sea.build_up": 60.0}
+    loose = fw.load("dtif_raising_play").compile().simulate(300, 0.1, parameters=sea)
+    fitted = fw.load("dtif_raising").compile().simulate(300, 0.1, parameters=sea)
+    assert array(loose, "position")[-1] == pytest.approx(array(fitted, "position")[-1], abs=0.02)
+    for name in ("first_gap", "second_gap"):
+        gap = array(loose, name)[loose.time > 100]
+        assert -15 < gap.min() < 0 < gap.max() < 20
+    felt = [np.std(array(found, "nacelle_acceleration")[found.time > 100]) for found in (loose, fitted)]
+    assert felt[0] > 1.2 * felt[1]
+
+
 # --- lowering ---------------------------------------------------------------------------------------------------------
 
 
