@@ -24,12 +24,17 @@ heel. Ballast is as solid unless --slack says that its surface stays level.
 With --stages no arms: draft, GM and depth of water at each stage of a file;
 a stage at which GM is not above `least` is refused. See docs/hydrostatics.md.
 
+With --stroke no arms: GM while a tower is raised by the water in its shaft,
+and where it falls below --least, the tanks run dry or the cylinder is too small.
+
 examples:
   fowt stability oo_star_rigid --heel 0:60:5 --plot arms.png
   fowt stability oc4.yaml --slack all --towards 90 --wind-moment 1.2e6,130
   fowt stability oc4.yaml --flood hull.upper_column_1
   fowt stability spar.yaml --stages building.yaml
+  fowt stability dtif_raising --stroke 0.2:50:5 --least 1
 """
+STROKE_HEADS = ("place [m]", "GM [m]", "centre of mass [m]", "in the shaft [m^3]", "in the tanks [m^3]", "level [m]")
 HEADS = ("heel [deg]", "GZ [m]", "righting moment [N m]", "trim [deg]", "draft [m]")
 
 
@@ -49,6 +54,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--wind-moment", metavar="N,M", help="force [N] and lever [m] upright, for the area criterion")
     parser.add_argument("--flooding-angle", type=positive, metavar="DEG", help="heel at which water comes in")
     parser.add_argument("--stages", type=Path, metavar="FILE", help="stages of construction: .yaml")
+    parser.add_argument("--stroke", metavar="A:B:STEP", help="places [m] of a tower over the floor of its shaft")
+    parser.add_argument("--least", type=finite, metavar="GM", help="least GM [m] along --stroke; default: 1")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the arms: .png, .svg or .pdf")
     tables.declare(parser)
     parser.set_defaults(action=show_stability)
@@ -63,6 +70,10 @@ def show_stability(arguments: argparse.Namespace) -> int:
     model = loading.load(arguments)
     if arguments.stages is not None:
         return _show_stages(arguments, model)
+    if arguments.stroke is not None:
+        return _show_stroke(arguments, model)
+    if arguments.least is not None:
+        raise ModelError("--least is of --stroke; the stages of a file have their own.")
     from fowtlib.analysis.afloat_models import afloat
     from fowtlib.analysis.righting import righting_curve
 
@@ -173,4 +184,20 @@ def _show_stages(arguments: argparse.Namespace, model: Model) -> int:
         the_floater(model.root), given.stages, clearance=given.clearance, least=given.least, slack=given.slack
     )
     tables.show(arguments, STAGE_HEADS, [stage.row() for stage in found])
+    return 0
+
+
+def _show_stroke(arguments: argparse.Namespace, model: Model) -> int:
+    """Print GM, levels and volumes for every place of a tower; then what its limits say."""
+    from fowtlib.analysis.lifting import stroke
+
+    if arguments.plot or arguments.flood or arguments.wind_moment or arguments.slack:
+        raise ModelError("--stroke: arms, damage, wind and pictures are not of a stroke; its free surfaces all count.")
+    places = numbers(arguments.stroke)
+    if len(places) < 2 or places[0] < 0 or not (places[1:] > places[:-1]).all():
+        raise ModelError(f"--stroke: '{arguments.stroke}' are no two places [m] from 0 upwards; give 0:50:5.")
+    way = stroke(model.compile(), float(places[-1]), float(places[0]), count=len(places))
+    columns = (way.position, way.metacentric_height, way.centre_of_mass, way.shaft_volume, way.tank_volume, way.level)
+    tables.show(arguments, STROKE_HEADS, [list(map(float, row)) for row in zip(*columns, strict=True)])
+    way.check(1.0 if arguments.least is None else arguments.least)
     return 0

@@ -10,6 +10,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.lifting import stroke
+from fowtlib.cli.app import main
 from fowtlib.language.errors import ModelError, SimulationError
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -175,6 +176,24 @@ def test_it_says_where_the_floater_would_turn_over(plant):
 def test_what_cannot_be_raised_is_refused_with_the_reason(plant, changes, says):
     with pytest.raises(ModelError, match=says):
         stroke(plant, 50.0, 0.2, count=11, parameters=changes).check()
+
+
+def test_the_stroke_on_the_command_line(capsys):
+    """The table that `stroke` has; then where GM is too small, and what the command does not take."""
+    assert main(["stability", "dtif_raising", "--stroke", "0.2:50.2:25", "--csv"]) == 0
+    head, *rows = [line.split(",") for line in capsys.readouterr().out.splitlines()]
+    assert head[:2] == ["place [m]", "GM [m]"]
+    for row in rows:
+        assert float(row[1]) == pytest.approx(by_hand(float(row[0]))[0], abs=0.01)
+    for more, says in (
+        (["--stroke", "0:50:25", "--least", "3"], "GM is below 3 m from s = 4"),
+        (["--stroke", "5"], "are no two places [m] from 0 upwards"),
+        (["--stroke", "0:50:25", "--plot", "a.png"], "are not of a stroke"),
+        (["--least", "1"], "--least is of --stroke"),
+    ):
+        assert main(["stability", "dtif_raising", *more]) == 2
+        error = capsys.readouterr().err
+        assert says in error and "Traceback" not in error
 
 
 def test_a_run_stops_where_the_cylinder_is_too_small(plant):
