@@ -3,7 +3,7 @@
     python benchmarks/raisable_tower.py picture     docs/figures/dtif_raising.png
     python benchmarks/raisable_tower.py waves       what waves do to the operation, one line for each sea
     python benchmarks/raisable_tower.py friction    the same in seas of 9 s for several frictions of the guide
-    python benchmarks/raisable_tower.py limit       the highest sea in which it is raised, by halving, to 0.1 m, and what ends it
+    python benchmarks/raisable_tower.py limit       the highest sea in which it is raised, by halving, and what ends it
 
 The limits that the tables look for: the nacelle accelerates by more than 0.3 g (gravity along its axis included), the
 water comes over the top of the flotation cylinder, or the tower touches the floor again once it floats.
