@@ -18,7 +18,7 @@ import numpy as np
 
 import fowtlib as fw
 from fowtlib.analysis.lifting import stroke
-from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.errors import SimulationError
 
 FIGURE = Path(__file__).parent.parent / "docs" / "figures" / "dtif_raising.png"
 G = 9.80665
@@ -100,17 +100,11 @@ def reason(found: dict[str, float] | str) -> str:
 
 
 def limit(plant: fw.Plant, period: float, low: float = 1.0, high: float = 8.0, **values: float) -> tuple[float, str]:
-    """Significant height [m] below which the tower is raised in seas of a peak period, to 0.1 m; what ends it above.
-
-    Seas steeper than the spectrum takes are left out: the limit is then that steepness.
-    """
+    """Significant height [m] up to which the tower is raised in seas of a peak period, to 0.1 m; what ends it above."""
     why = ""
     while high - low > 0.1:
         middle = (low + high) / 2
-        try:
-            found = reason(in_a_sea(plant, middle, period, **values))
-        except ModelError as error:
-            found = f"no such sea ({error})"
+        found = reason(in_a_sea(plant, middle, period, **values))
         low, high, why = (low, middle, found) if found else (middle, high, why)
     return low, why
 
