@@ -336,8 +336,8 @@ def _same_data(now: Any, wanted: Any) -> bool:
     if type(now) is not type(wanted) or not is_dataclass(now):
         return False
     pairs = [(getattr(now, field.name), getattr(wanted, field.name)) for field in fields(now)]
-    return all(one is other if one is None or other is None or isinstance(one, (str, dict)) else _close(one, other)
-               for one, other in pairs)  # fmt: skip
+    words = (str, dict, list, tuple, type(None))
+    return all(one == other if isinstance(one, words) or other is None else _close(one, other) for one, other in pairs)
 
 
 def _close(now: Any, wanted: Any, tolerance: float = _TOLERANCE) -> bool:

@@ -34,6 +34,7 @@ examples:
   fowt stability spar.yaml --stages building.yaml
   fowt stability dtif_raising --stroke 0.2:50:5 --least 1
 """
+ARMS = "0:60:5"
 STROKE_HEADS = ("place [m]", "GM [m]", "centre of mass [m]", "in the shaft [m^3]", "in the tanks [m^3]", "level [m]")
 HEADS = ("heel [deg]", "GZ [m]", "righting moment [N m]", "trim [deg]", "draft [m]")
 
@@ -43,7 +44,7 @@ def declare(commands: Any) -> None:
     text = "draft, GM and righting arms over heel; damage; stages of construction"
     parser = commands.add_parser("stability", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False)
-    parser.add_argument("--heel", metavar="A:B:STEP", default="0:60:5", help="angles [deg] from 0; default: 0:60:5")
+    parser.add_argument("--heel", metavar="A:B:STEP", default=ARMS, help="angles [deg] from 0; default: 0:60:5")
     parser.add_argument("--towards", type=finite, default=0.0, metavar="DEG",
                         help="side that goes down, from x to y of the hull; default: 0")  # fmt: skip
     parser.add_argument("--hold-trim", action="store_true", help="the hull is not free to trim")
@@ -191,10 +192,12 @@ def _show_stroke(arguments: argparse.Namespace, model: Model) -> int:
     """Print GM, levels and volumes for every place of a tower; then what its limits say."""
     from fowtlib.analysis.lifting import stroke
 
-    if arguments.plot or arguments.flood or arguments.wind_moment or arguments.slack:
+    others = (arguments.plot, arguments.flood, arguments.wind_moment, arguments.slack, arguments.flooding_angle,
+              arguments.hold_trim, arguments.towards, arguments.heel != ARMS)  # fmt: skip
+    if any(others):
         raise ModelError("--stroke: arms, damage, wind and pictures are not of a stroke; its free surfaces all count.")
     places = numbers(arguments.stroke)
-    if len(places) < 2 or places[0] < 0 or not (places[1:] > places[:-1]).all():
+    if len(places) < 2 or not 0 <= places[0] < places[-1] or ":" not in arguments.stroke:
         raise ModelError(f"--stroke: '{arguments.stroke}' are no two places [m] from 0 upwards; give 0:50:5.")
     way = stroke(model.compile(), float(places[-1]), float(places[0]), count=len(places))
     columns = (way.position, way.metacentric_height, way.centre_of_mass, way.shaft_volume, way.tank_volume, way.level)

@@ -187,6 +187,8 @@ def test_the_stroke_on_the_command_line(capsys):
         assert float(row[1]) == pytest.approx(by_hand(float(row[0]))[0], abs=0.01)
     for more, says in (
         (["--stroke", "0:50:5", "--least", "3"], "GM is below 3 m from s = 40.8"),
+        (["--stroke", "0:50:25", "--towards", "90"], "are not of a stroke"),
+        (["--stroke", "0,25,50"], "are no two places [m] from 0 upwards"),
         (["--stroke", "5"], "are no two places [m] from 0 upwards"),
         (["--stroke", "0:50:25", "--plot", "a.png"], "are not of a stroke"),
         (["--least", "1"], "--least is of --stroke"),
