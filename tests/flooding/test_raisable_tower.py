@@ -339,6 +339,17 @@ def test_it_leans_in_the_wind_as_its_stiffness_says():
     assert state["platform.shaft.lift"] == pytest.approx(0, abs=1.0)
 
 
+def test_fifteen_megawatts_by_scaling_stand_as_seven_do():
+    """Froude: power by the scale to 3.5, thrust to the third power, lengths by the scale; angles stay."""
+    by = (15 / 7) ** (1 / 3.5)
+    model = fw.load("dtif_operating", set={"wind.kind": "steady", "wind.mean_speed": 11.0, "sea.spectrum": "still"})
+    one, other = (found.compile().equilibrium() for found in (model, fw.scaled(model, by)))
+    for name, power in (("turbine.generator_power", 3.5), ("turbine.thrust", 3), ("platform.motion.surge", 1),
+                        ("platform.motion.pitch", 0), ("platform.motion.yaw", 0)):  # fmt: skip
+        assert other[name] == pytest.approx(one[name] * by**power, rel=1e-4), name
+    assert other["turbine.generator_power"] == pytest.approx(15e6, rel=1e-3)
+
+
 def test_in_rotor_effective_winds_all_else_is_the_same_and_yaw_dies_out(tmp_path):
     """The moments of the blades by the turning of the hull: a rotor by coefficients lets yaw grow at 12 m/s."""
     names = ("dtif_operating", "dtif_operating_effective")
