@@ -55,7 +55,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--wind-moment", metavar="N,M", help="force [N] and lever [m] upright, for the area criterion")
     parser.add_argument("--flooding-angle", type=positive, metavar="DEG", help="heel at which water comes in")
     parser.add_argument("--stages", type=Path, metavar="FILE", help="stages of construction: .yaml")
-    parser.add_argument("--stroke", metavar="A:B:STEP", help="places [m] of a tower over the floor of its shaft")
+    parser.add_argument("--stroke", metavar="A:B:STEP",
+                        help="places [m] of a tower over its floor, to B, in steps of at most STEP")  # fmt: skip
     parser.add_argument("--least", type=finite, metavar="GM", help="least GM [m] along --stroke; default: 1")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the arms: .png, .svg or .pdf")
     tables.declare(parser)
@@ -199,7 +200,8 @@ def _show_stroke(arguments: argparse.Namespace, model: Model) -> int:
     places = numbers(arguments.stroke)
     if len(places) < 2 or not 0 <= places[0] < places[-1] or ":" not in arguments.stroke:
         raise ModelError(f"--stroke: '{arguments.stroke}' are no two places [m] from 0 upwards; give 0:50:5.")
-    way = stroke(model.compile(), float(places[-1]), float(places[0]), count=len(places))
+    top = float(arguments.stroke.split(":")[1])  # the way is looked at to its end, in equal steps of at most STEP
+    way = stroke(model.compile(), top, float(places[0]), count=len(places) + (places[-1] < top - 1e-9))
     columns = (way.position, way.metacentric_height, way.centre_of_mass, way.shaft_volume, way.tank_volume, way.level)
     tables.show(arguments, STROKE_HEADS, [list(map(float, row)) for row in zip(*columns, strict=True)])
     way.check(1.0 if arguments.least is None else arguments.least)

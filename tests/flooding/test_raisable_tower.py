@@ -180,9 +180,9 @@ def test_what_cannot_be_raised_is_refused_with_the_reason(plant, changes, says):
 
 def test_the_stroke_on_the_command_line(capsys):
     """The table that `stroke` has; then where GM is too small, and what the command does not take."""
-    assert main(["stability", "dtif_raising", "--stroke", "0.2:50.2:25", "--csv"]) == 0
+    assert main(["stability", "dtif_raising", "--stroke", "0.2:50:25", "--csv"]) == 0
     head, *rows = [line.split(",") for line in capsys.readouterr().out.splitlines()]
-    assert head[:2] == ["place [m]", "GM [m]"]
+    assert head[:2] == ["place [m]", "GM [m]"] and [float(row[0]) for row in rows] == pytest.approx([0.2, 25.1, 50.0])
     for row in rows:
         assert float(row[1]) == pytest.approx(by_hand(float(row[0]))[0], abs=0.01)
     for more, says in (
