@@ -212,12 +212,12 @@ class Component(Composite):
     def set_together(self, values: Mapping[str, Any]) -> None:
         """Give several parameters their values at once, where each alone would not fit the others as they are now."""
         here, before = self.current, dict(self.current._values)
-        for name, value in values.items():
-            if name not in here.parameters or here.family is not None and name == here.family.selector:
-                raise here.no_parameter(name)
-            here._note(name)
-            here._values[name] = here._checked(here.parameters[name], value)
         try:
+            for name, value in values.items():
+                if name not in here.parameters or here.family is not None and name == here.family.selector:
+                    raise here.no_parameter(name)
+                here._values[name] = here._checked(here.parameters[name], value)
+                here._note(name)
             here._compose_again(next(iter(values)), True)
         except BaseException:
             here._values = before
