@@ -3,6 +3,7 @@
     python benchmarks/raisable_tower.py picture     docs/figures/dtif_raising.png
     python benchmarks/raisable_tower.py waves       what waves do to the operation, one line for each sea
     python benchmarks/raisable_tower.py friction    the same in seas of 9 s for several frictions of the guide
+    python benchmarks/raisable_tower.py limit       the highest sea in which it is raised, by halving, and what ends it
 
 The limits that the tables look for: the nacelle accelerates by more than 0.3 g (gravity along its axis included), the
 water comes over the top of the flotation cylinder, or the tower touches the floor again once it floats.
@@ -89,6 +90,25 @@ def in_a_sea(plant: fw.Plant, height: float, period: float, seed: int = 1, **val
     }
 
 
+def reason(found: dict[str, float] | str) -> str:
+    """What is beyond its limit, "" where nothing is."""
+    if isinstance(found, str):
+        return "water over the top of the cylinder" if "over the top of the piston" in found else found
+    limits = {"acceleration over 0.3 g": found["acceleration"] > 0.3 * G, "floor touched again": found["floor"] > 0,
+              "not latched": found["closed"] < 1}  # fmt: skip
+    return ", ".join(name for name, broken in limits.items() if broken)
+
+
+def limit(plant: fw.Plant, period: float, low: float = 1.0, high: float = 8.0, **values: float) -> tuple[float, str]:
+    """Significant height [m] up to which the tower is raised in seas of a peak period, to 0.1 m; what ends it above."""
+    why = ""
+    while high - low > 0.1:
+        middle = (low + high) / 2
+        found = reason(in_a_sea(plant, middle, period, **values))
+        low, high, why = (low, middle, found) if found else (middle, high, why)
+    return low, why
+
+
 def table(rows: list[tuple[str, dict[str, float] | str]]) -> None:
     """Print what came out, as rows of a page."""
     print("| sea | nacelle [m/s²] | pitch [deg] | ring [MN] | deepest immersion [m] | floor again [kN] | latched |")
@@ -103,7 +123,7 @@ def table(rows: list[tuple[str, dict[str, float] | str]]) -> None:
 
 
 def main(what: str) -> None:
-    """One of the three."""
+    """One of the four."""
     if what == "picture":
         picture()
         return
@@ -112,12 +132,17 @@ def main(what: str) -> None:
         seas = [(height, period) for period in (7, 9, 11, 13) for height in (2, 4, 5, 6, 7)]
         table([(f"{height} m, {period} s", in_a_sea(plant, height, period)) for height, period in seas])
         return
+    if what == "limit":
+        for period, friction in [(7, 0.1), (9, 0.1), (11, 0.1), (13, 0.1), (9, 0.2), (9, 0.3)]:
+            height, why = limit(plant, period, **{"platform.rubbing.coefficient": friction})
+            print(f"| {period} s, friction {friction} | {height:.1f} m | {why} |", flush=True)
+        return
     frictions = [(mu, height) for mu in (0.05, 0.1, 0.2, 0.3) for height in (2, 4, 6)]
     table([(f"{height} m, friction {mu}", in_a_sea(plant, height, 9, **{"platform.rubbing.coefficient": mu}))
            for mu, height in frictions])  # fmt: skip
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2 or sys.argv[1] not in ("picture", "waves", "friction"):
+    if len(sys.argv) != 2 or sys.argv[1] not in ("picture", "waves", "friction", "limit"):
         sys.exit(__doc__)
     main(sys.argv[1])

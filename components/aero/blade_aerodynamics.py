@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from numpy.typing import ArrayLike
 from fowtlib.components.aero.monotone_cubics import monotone_cubics
 from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ParameterError, did_you_mean
+from fowtlib.language.similarity import Similarity
+from fowtlib.language.whole_files import write_text
 
 BLADE_COLUMNS = ("span_m", "length_m", "chord_m", "twist_deg", "curve_m", "sweep_m", "airfoil")
 AIRFOIL_COLUMNS = ("airfoil", "angle_of_attack_deg", "lift_coefficient", "drag_coefficient", "moment_coefficient")
@@ -83,6 +86,14 @@ class Airfoil:
         return np.einsum("...jk,...k->...j", self.cubics[i], (angle - self.angle[i])[..., None] ** np.arange(4))
 
 
+class Airfoils(dict[str, Airfoil]):
+    """Airfoils by name, as a file has them."""
+
+    def in_similarity(self, similarity: Similarity) -> Airfoils:
+        """The same: coefficients over angles have no dimension."""
+        return self
+
+
 @dataclass(frozen=True, eq=False)
 class BladeAerodynamics:
     """The elements of a blade, from root to tip; all arrays (n,), a node in the middle of each element.
@@ -124,13 +135,33 @@ class BladeAerodynamics:
 
     def fitting(self, label: str, airfoils: Any, **radii: float | None) -> BladeAerodynamics:
         """The blade itself, for a part that says something about it too; ParameterError where that is another thing."""
-        if airfoils is not None and airfoils is not self.airfoils:
+        if airfoils is not None and not _same(airfoils, self.airfoils):
             raise ParameterError(f"{label}.airfoils: the blade that is given has airfoils of its own.")
         for name, given in radii.items():
             own = getattr(self, name)
             if given is not None and abs(own - given) > 1e-9 * abs(given):
                 raise ParameterError(f"{label}.{name} is {given:g} m, and that of the blade {own:g} m.")
         return self
+
+    ending = ".csv"
+
+    def in_similarity(self, similarity: Similarity) -> BladeAerodynamics:
+        """The blade in another scale with the same airfoils, whatever the Reynolds number says; angles stay."""
+        if similarity.wind != 1.0:
+            raise ParameterError(
+                "the loads of a blade are in proportion where the wind is to the other speeds; another ratio "
+                f"({similarity.wind:g}) makes another rotor."
+            )
+        lengths = ("hub_radius", "tip_radius", "radius", "chord", "length", "curve", "sweep")
+        return replace(self, **{name: getattr(self, name) * similarity.factor("m") for name in lengths})
+
+    def write(self, path: str | Path) -> None:
+        """Write a CSV that read_blade reads, with the airfoils in their own file. Raises WriteError."""
+        span, twist = self.radius - self.hub_radius, np.degrees(self.twist)
+        columns = (span, self.length, self.chord, twist, self.curve, self.sweep)
+        rows = [",".join([*(f"{value:.17g}" for value in row), name])
+                for *row, name in zip(*columns, self.airfoil, strict=True)]  # fmt: skip
+        write_text(path, "\n".join([",".join(BLADE_COLUMNS), *rows]) + "\n")
 
     def _half_way(self, radius: np.ndarray) -> np.ndarray:
         return np.diff(np.concatenate([[self.hub_radius], (radius[1:] + radius[:-1]) / 2, [self.tip_radius]]))
@@ -176,7 +207,7 @@ class BladeAerodynamics:
 
 
 @remembered()
-def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
+def read_airfoils(path: str, smooth: bool = True) -> Airfoils:
     """Airfoils of a CSV with the columns of AIRFOIL_COLUMNS; lines that start with # are comments.
 
     The rows of an airfoil are in the order of their angles. Raises ParameterError with path and line.
@@ -185,8 +216,8 @@ def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
     for line, (name, *numbers) in _table(path, AIRFOIL_COLUMNS, words=("airfoil",)):
         rows.setdefault(name, []).append([line, *numbers])
     arrays = {name: np.array(values) for name, values in rows.items()}
-    return {name: Airfoil(name, np.radians(a[:, 1]), a[:, 2:], smooth, path, a[:, 0].astype(int).tolist())
-            for name, a in arrays.items()}  # fmt: skip
+    return Airfoils({name: Airfoil(name, np.radians(a[:, 1]), a[:, 2:], smooth, path, a[:, 0].astype(int).tolist())
+                     for name, a in arrays.items()})  # fmt: skip
 
 
 @remembered("path", "airfoils")
@@ -204,6 +235,15 @@ def read_blade(
         hub_radius, tip_radius, hub_radius + span, chord, np.radians(twist), columns[6],
         read_airfoils(airfoils, smooth), length, curve, sweep, where=path, lines=lines,
     )  # fmt: skip
+
+
+def _same(one: Mapping[str, Airfoil], other: Mapping[str, Airfoil]) -> bool:
+    """Whether these are the same airfoils, by their numbers."""
+    if one is other or one.keys() != other.keys():
+        return one is other
+    pairs = [(one[name], other[name]) for name in one]
+    return all(a.smooth == b.smooth and np.array_equal(a.angle, b.angle)
+               and np.array_equal(a.coefficients, b.coefficients) for a, b in pairs)  # fmt: skip
 
 
 def _place(where: str, lines: Sequence[int], row: int) -> str:

@@ -18,6 +18,7 @@ from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.bem_steady import RigidRotor
 from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.similarity import Similarity
 from fowtlib.language.whole_files import write_text
 
 COLUMNS = ("wind_speed_m_s", "rotor_speed_rpm", "blade_pitch_deg", "radius_m", "thrust_slope_m3_s", "torque_slope_m4_s",
@@ -61,6 +62,23 @@ class LoadSlopes:
         if weak.size:
             raise self._wrong(f"at {self.wind_speed[weak[0]]:g} m/s more wind does not add to the thrust, so that no "
                               "wind stands for what the blades feel.")  # fmt: skip
+
+    ending = ".csv"
+
+    def in_similarity(self, similarity: Similarity) -> LoadSlopes:
+        """The slopes of the rotor in another scale, in a wind in proportion to the other speeds."""
+        if similarity.wind != 1.0:
+            raise ParameterError(
+                "slopes by the wind hold for a wind in proportion to the other speeds; another ratio "
+                f"({similarity.wind:g}) makes another rotor."
+            )
+        units = {"wind_speed": "m/s", "rotor_speed": "rad/s", "radius": "m", "thrust": "m^3/s", "torque": "m^4/s",
+                 "moment": "m^4/s"}  # fmt: skip
+        return replace(self, **{name: getattr(self, name) * similarity.factor(unit) for name, unit in units.items()})
+
+    def write(self, path: str | Path) -> None:
+        """Write a CSV that read_load_slopes reads. Raises WriteError."""
+        write_load_slopes(path, self)
 
     def _wrong(self, message: str) -> ParameterError:
         return ParameterError(f"slopes of the rotor's loads: {message}", where=self.where)

@@ -35,9 +35,9 @@ class FloatingPiston(AroundAPiston):
     """Water in a round shaft in which a round piston slides: it lifts the piston, and is pumped through the floor.
 
     The shaft's axis is z of frame_a, in the middle of its floor; frame_b, in the middle of the foot of the piston, is
-    parallel to it. A slide (Prismatic, Guide) between the two holds them in line, whose axis is joined to `axis`: its
-    position s is the height of the foot above the floor. V is conserved but for what passes the port. Physics, and what
-    is left out: fowtlib.components.flooding.shaft.
+    parallel to it. A slide (Prismatic, Guide; LooseGuide to within its play) between the two holds them in line, whose
+    axis is joined to `axis`: its position s is the height of the foot above the floor. V is conserved but for what
+    passes the port. Physics, and what is left out: fowtlib.components.flooding.shaft.
     A run stops where the water stands above the shaft or above the top of the piston, and where none is left to pump.
     """
 

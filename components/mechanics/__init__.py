@@ -13,6 +13,7 @@ from fowtlib.components.mechanics.imposed_motion import ImposedMotion, MotionRec
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
+from fowtlib.components.mechanics.loose_guide import LooseGuide
 from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
@@ -46,6 +47,7 @@ __all__ = [
     "SlidingFriction",
     "Latch",
     "Guide",
+    "LooseGuide",
     "EndStop",
     "AccelerationSensor",
     "AngleSensor",

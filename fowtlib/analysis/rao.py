@@ -228,6 +228,8 @@ def simulated_rao(
     ``plant.simulate``. in_wind: in the wind of the model, which must be steady (``model.in_the_mean()``).
     """
     frequency = checked_frequencies(frequencies)
+    if not hasattr(model, "with_parameters"):
+        raise ModelError("simulated_rao needs the model, fw.load(...), and not the plant: it is put into waves anew.")
     quiet = calm(model)
     if in_wind:
         quiet.pop("wind.kind", None)

@@ -16,7 +16,7 @@ import copy
 import inspect
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -69,19 +69,22 @@ def store_data(model: Model, path: str | Path) -> list[Path]:
     A model file names data by their files: fw.dump() refuses objects. The files are <stem>_<part>.nc or .csv.
     """
     path, written, known = Path(path), [], {}
-    for part in model.root.walk():
-        for name, field in part.parameters.items():
-            value = part.parameter_binding(name) if field.is_data else None
-            ending = getattr(value, "ending", None)
-            if ending is None:
-                continue
-            file = known.get(id(value))
-            if file is None:
-                file = path.with_name(f"{path.stem}_{join(part.path, name).replace('.', '_')}{ending}").absolute()
-                value.write(file)
-                known[id(value)] = file
-                written.append(file)
-            setattr(part, name, str(file))
+    parts = list(model.root.walk())
+    places = [(part.path, name) for part in parts for name, field in part.parameters.items()
+              if field.is_data and _was_given(part, name)]  # fmt: skip
+    for of, name in places:  # a part may be another one after its owner was given a file
+        part = model.root.find(of) if of else model.root
+        value = part.parameter_binding(name)
+        ending = getattr(value, "ending", None)
+        if ending is None:
+            continue
+        file = known.get(id(value))
+        if file is None:
+            file = path.with_name(f"{path.stem}_{join(of, name).replace('.', '_')}{ending}").absolute()
+            value.write(file)
+            known[id(value)] = file
+            written.append(file)
+        setattr(part, name, str(file))
     return written
 
 
@@ -117,7 +120,7 @@ class _Wanted:
             numbers = np.asarray(value, dtype=float)
             if numbers.any() and not self._follows(part, name):
                 self.values[path] = numbers * self._factor(part, name, field, path)
-        elif isinstance(value, list) and value:
+        elif isinstance(value, list) and value and not all(isinstance(item, str) for item in value):
             self.values[path] = _times(value, float(self._factor(part, name, field, path)))
         elif isinstance(value, dict) and value:
             raise ParameterError(f"{path} has numbers whose units nobody knows, so the model cannot be scaled.")
@@ -235,7 +238,7 @@ def _give(root: Component, wanted: _Wanted) -> None:
     while given:
         refused = _set(root, given, wanted.values)
         if len(refused) == len(given):
-            raise refused[given[0]]
+            refused = _set_by_part(root, refused, wanted.values)
         given = list(refused)
     tried = set[tuple[str, str]]()
     while wrong := _different(root, wanted.values):
@@ -268,40 +271,73 @@ def _is_computed(part: Component, name: str) -> bool:
     return not part.is_set(name) and inspect.isfunction(part.parameters[name].default)
 
 
-def _set(root: Component, places: Iterable[tuple[str, str]], values: Mapping[str, Any]) -> dict[Any, ParameterError]:
+def _set(root: Component, places: Iterable[tuple[str, str]], values: Mapping[str, Any]) -> dict[Any, ModelError]:
     """Give values to parameters; those that a part refuses now, and why."""
     refused = {}
     for path, name in places:
         value = values[join(path, name)]
         try:
-            setattr(root.find(path), name, value.tolist() if isinstance(value, np.ndarray) else value)
-        except ParameterError as error:
+            setattr(root.find(path), name, _plain(value))
+        except ModelError as error:
             refused[path, name] = error
     return refused
 
 
-def _different(root: Component, values: Mapping[str, Any]) -> dict[tuple[str, str], ParameterError | None]:
+def _set_by_part(
+    root: Component, refused: dict[Any, ModelError], values: Mapping[str, Any]
+) -> dict[Any, ModelError]:
+    """What parts refuse one by one, as a blade and its radii, all of a part at once; ParameterError where none goes."""
+    left = dict(refused)
+    for path in {path: None for path, _ in refused}:
+        names = [name for of, name in refused if of == path]
+        try:
+            root.find(path).set_together({name: _plain(values[join(path, name)]) for name in names})
+        except ModelError:
+            continue
+        for name in names:
+            del left[path, name]
+    if len(left) == len(refused):
+        raise next(iter(refused.values()))
+    return left
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _different(root: Component, values: Mapping[str, Any]) -> dict[tuple[str, str], ModelError | None]:
     """The parameters that have not their value yet, parents first; with the error where they have none now."""
-    found: dict[tuple[str, str], ParameterError | None] = {}
+    found: dict[tuple[str, str], ModelError | None] = {}
     for part in root.walk():
         for name, field in part.parameters.items():
             wanted = values.get(join(part.path, name))
             if wanted is None:
                 continue
-            now = part.parameter_binding(name)
-            if field.is_data or hasattr(wanted, "in_similarity"):
-                if now is not wanted and not (isinstance(now, str) and now == wanted):
-                    found[part.path, name] = None
-                continue
             try:
+                now = part.parameter_binding(name)
+                if field.is_data or hasattr(wanted, "in_similarity"):
+                    if not _same_data(now, wanted):
+                        found[part.path, name] = None
+                    continue
                 now = part.parameter_value(name)
-            except ParameterError as error:
+            except ModelError as error:
                 found[part.path, name] = error
                 continue
             solved = not part.is_set(name) or is_expression(part.parameter_binding(name))
             if now is None or not _close(now, wanted, _SOLVED if solved else _TOLERANCE):
                 found[part.path, name] = None
     return found
+
+
+def _same_data(now: Any, wanted: Any) -> bool:
+    """The same object or file, or one that an owner made anew with the same numbers."""
+    if now is wanted or isinstance(now, str):
+        return bool(now is wanted or now == wanted)
+    if type(now) is not type(wanted) or not is_dataclass(now):
+        return False
+    pairs = [(getattr(now, field.name), getattr(wanted, field.name)) for field in fields(now)]
+    words = (str, dict, list, tuple, type(None))
+    return all(one == other if isinstance(one, words) or other is None else _close(one, other) for one, other in pairs)
 
 
 def _close(now: Any, wanted: Any, tolerance: float = _TOLERANCE) -> bool:

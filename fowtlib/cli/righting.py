@@ -24,12 +24,18 @@ heel. Ballast is as solid unless --slack says that its surface stays level.
 With --stages no arms: draft, GM and depth of water at each stage of a file;
 a stage at which GM is not above `least` is refused. See docs/hydrostatics.md.
 
+With --stroke no arms: GM while a tower is raised by the water in its shaft,
+and where it falls below --least, the tanks run dry or the cylinder is too small.
+
 examples:
   fowt stability oo_star_rigid --heel 0:60:5 --plot arms.png
   fowt stability oc4.yaml --slack all --towards 90 --wind-moment 1.2e6,130
   fowt stability oc4.yaml --flood hull.upper_column_1
   fowt stability spar.yaml --stages building.yaml
+  fowt stability dtif_raising --stroke 0.2:50:5 --least 1
 """
+ARMS = "0:60:5"
+STROKE_HEADS = ("place [m]", "GM [m]", "centre of mass [m]", "in the shaft [m^3]", "in the tanks [m^3]", "level [m]")
 HEADS = ("heel [deg]", "GZ [m]", "righting moment [N m]", "trim [deg]", "draft [m]")
 
 
@@ -38,7 +44,7 @@ def declare(commands: Any) -> None:
     text = "draft, GM and righting arms over heel; damage; stages of construction"
     parser = commands.add_parser("stability", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False)
-    parser.add_argument("--heel", metavar="A:B:STEP", default="0:60:5", help="angles [deg] from 0; default: 0:60:5")
+    parser.add_argument("--heel", metavar="A:B:STEP", default=ARMS, help="angles [deg] from 0; default: 0:60:5")
     parser.add_argument("--towards", type=finite, default=0.0, metavar="DEG",
                         help="side that goes down, from x to y of the hull; default: 0")  # fmt: skip
     parser.add_argument("--hold-trim", action="store_true", help="the hull is not free to trim")
@@ -49,6 +55,9 @@ def declare(commands: Any) -> None:
     parser.add_argument("--wind-moment", metavar="N,M", help="force [N] and lever [m] upright, for the area criterion")
     parser.add_argument("--flooding-angle", type=positive, metavar="DEG", help="heel at which water comes in")
     parser.add_argument("--stages", type=Path, metavar="FILE", help="stages of construction: .yaml")
+    parser.add_argument("--stroke", metavar="A:B:STEP",
+                        help="places [m] of a tower over its floor, to B, in steps of at most STEP")  # fmt: skip
+    parser.add_argument("--least", type=finite, metavar="GM", help="least GM [m] along --stroke; default: 1")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the arms: .png, .svg or .pdf")
     tables.declare(parser)
     parser.set_defaults(action=show_stability)
@@ -63,6 +72,10 @@ def show_stability(arguments: argparse.Namespace) -> int:
     model = loading.load(arguments)
     if arguments.stages is not None:
         return _show_stages(arguments, model)
+    if arguments.stroke is not None:
+        return _show_stroke(arguments, model)
+    if arguments.least is not None:
+        raise ModelError("--least is of --stroke; the stages of a file have their own.")
     from fowtlib.analysis.afloat_models import afloat
     from fowtlib.analysis.righting import righting_curve
 
@@ -173,4 +186,23 @@ def _show_stages(arguments: argparse.Namespace, model: Model) -> int:
         the_floater(model.root), given.stages, clearance=given.clearance, least=given.least, slack=given.slack
     )
     tables.show(arguments, STAGE_HEADS, [stage.row() for stage in found])
+    return 0
+
+
+def _show_stroke(arguments: argparse.Namespace, model: Model) -> int:
+    """Print GM, levels and volumes for every place of a tower; then what its limits say."""
+    from fowtlib.analysis.lifting import stroke
+
+    others = (arguments.plot, arguments.flood, arguments.wind_moment, arguments.slack, arguments.flooding_angle,
+              arguments.hold_trim, arguments.towards, arguments.heel != ARMS)  # fmt: skip
+    if any(others):
+        raise ModelError("--stroke: arms, damage, wind and pictures are not of a stroke; its free surfaces all count.")
+    places = numbers(arguments.stroke)
+    if len(places) < 2 or not 0 <= places[0] < places[-1] or ":" not in arguments.stroke:
+        raise ModelError(f"--stroke: '{arguments.stroke}' are no two places [m] from 0 upwards; give 0:50:5.")
+    top = float(arguments.stroke.split(":")[1])  # the way is looked at to its end, in equal steps of at most STEP
+    way = stroke(model.compile(), top, float(places[0]), count=len(places) + (places[-1] < top - 1e-9))
+    columns = (way.position, way.metacentric_height, way.centre_of_mass, way.shaft_volume, way.tank_volume, way.level)
+    tables.show(arguments, STROKE_HEADS, [list(map(float, row)) for row in zip(*columns, strict=True)])
+    way.check(1.0 if arguments.least is None else arguments.least)
     return 0

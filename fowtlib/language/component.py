@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self, dataclass_transform
 
 import numpy as np
@@ -208,6 +208,21 @@ class Component(Composite):
                 self._values = before
                 self._compose()
                 raise
+
+    def set_together(self, values: Mapping[str, Any]) -> None:
+        """Give several parameters their values at once, where each alone would not fit the others as they are now."""
+        here, before = self.current, dict(self.current._values)
+        try:
+            for name, value in values.items():
+                if name not in here.parameters or here.family is not None and name == here.family.selector:
+                    raise here.no_parameter(name)
+                here._values[name] = here._checked(here.parameters[name], value)
+                here._note(name)
+            here._compose_again(next(iter(values)), True)
+        except BaseException:
+            here._values = before
+            here._compose()
+            raise
 
     def no_parameter(self, name: str) -> ParameterError:
         """The error for a parameter that there is not, with what may have been meant."""

@@ -150,6 +150,8 @@ def test_regular_waves_give_the_linear_response():
     np.testing.assert_allclose(rao["surge"], exact_response(np.array([0.05, 0.1])), rtol=1e-3)
     np.testing.assert_allclose(rao["wave_elevation"], 1.0, rtol=1e-6)
     assert rao.method == "regular waves, H = 2 m"
+    with pytest.raises(ModelError, match="simulated_rao needs the model"):
+        simulated_rao(buoy_at_sea().compile(), [0.1])
 
 
 def test_response_as_a_table(tmp_path):

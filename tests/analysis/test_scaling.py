@@ -112,6 +112,40 @@ def test_there_and_back_again(name):
         np.testing.assert_allclose(getattr(second, field), value, rtol=1e-11, atol=1e-12 * np.abs(value).max())
 
 
+@pytest.mark.parametrize("name, data", [("oc3_spar_rigid_bem", "aerodynamics.blade"),
+                                        ("dtif_operating_effective", "rotor.slopes")])  # fmt: skip
+def test_blades_and_slopes_there_and_back(name, data, tmp_path):
+    """Also by a file; lengths of a blade by the scale, its airfoils and angles as they are."""
+    model = quiet(name)
+    small = scaled(model, SMALL, density_ratio=FRESH)
+    written = store_data(small, tmp_path / "small.yaml")
+    (tmp_path / "small.yaml").write_text(fw.dump(small))
+    assert any(data.replace(".", "_") in path.name for path in written)
+    again = fw.load(tmp_path / "small.yaml")
+    assert_same(model.root, scaled(small, 45, density_ratio=1.025).root)
+    part, field = (f"turbine.{data}").rsplit(".", 1)
+    large, little = (getattr(one.root.find(part), field) for one in (model, again))
+    np.testing.assert_allclose(little.radius, large.radius * SMALL, rtol=1e-9)
+    if field == "blade":
+        np.testing.assert_allclose(little.chord, large.chord * SMALL, rtol=1e-12)
+        assert little.airfoil == large.airfoil
+    else:
+        np.testing.assert_allclose(little.moment, large.moment * SMALL**3.5, rtol=1e-7)
+
+
+@pytest.mark.long
+def test_a_run_with_blade_elements_is_the_same_point_by_point():
+    """20 s of waves and steady wind: the loads of a rotor at 1:45 are those of the large one with the same polars."""
+    model, time = quiet("oc3_spar_rigid_bem"), SMALL**0.5
+    runs = [
+        one.compile().simulate(20 * t, output_step=0.5 * t, step=0.025 * t, solver="fixed")
+        for one, t in ((model, 1.0), (scaled(model, SMALL), time))
+    ]
+    for name, unit in (("thrust", "N"), ("surge", "m"), ("rotor_speed", "rad/s")):
+        first, second = (np.asarray(run[name]) for run in runs)
+        np.testing.assert_allclose(second / Similarity(SMALL).factor(unit), first, atol=5e-5 * np.abs(first).max())
+
+
 def test_formulas_go_on_to_hold():
     small = scaled(quiet("oc4_semi_rigid"), SMALL)
     platform = small.root.platform
@@ -235,7 +269,8 @@ def test_six_by_six():
         ("oc3_spar_rigid", {}, {}, r"^wind: the turbulence of the standard has lengths and speeds of full scale, so"),
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"wind_ratio": 1.2},
          r"^turbine.rotor.coefficients: coefficients over the tip speed ratio hold for a wind in proportion"),
-        ("nrel5mw_land", {"wind.kind": "none"}, {}, r"^turbine.aerodynamics.blade: .*csv is data in their own units"),
+        ("nrel5mw_land", {"wind.kind": "none"}, {"wind_ratio": 1.2}, r"^turbine.aerodynamics.blade: the loads of a bl"),
+        ("tlp_elastic", {"wind.kind": "none"}, {}, r"^platform.hull.database: .*nc is data in their own units"),
         ("oc3_spar_rigid", {"wind.kind": "none", "sea.spectrum": "record", "sea.file": __file__}, {},
          r"^sea.file = .*test_scaling.py': a record has seconds and metres of its own, so the model cannot be scaled"),
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"units": {"sea.heading": "m"}}, r"'sea.heading' is no parameter or"),

@@ -137,3 +137,17 @@ def test_what_a_record_does_not_tell_is_refused(plant, record, fit, message):
 def test_a_record_must_fit_the_model(plant, record, change, message):
     with pytest.raises(ModelError, match=message):
         calibrate(plant, change(*record["heave"]), ["spring.stiffness"], start={"slide.s": 0.05}, step=0.05)
+
+
+def test_the_length_of_a_mooring_line_is_fitted():
+    """A section of one of three lines at 1:45, 30 mm too long at first, by a decay in surge that begins as it began."""
+    plant = fw.load("dtif_model_scale_flowave").compile()
+    start = {"platform.motion.surge": 0.1}
+    run = plant.simulate(40, 0.5, solver="fixed", step=0.05, start=plant.initial_state(start=start))
+    record = {"surge": (run.time, np.asarray(run["surge"]))}
+    long = {"line_1.lengths": [3.72, 1.63, 0.38]}
+    found = calibrate(
+        plant, record, ["line_1.lengths[0]"], start=start, step=0.05, constants=False, parameters=long,
+    )  # fmt: skip
+    assert found["line_1.lengths[0]"].value == pytest.approx(3.69, rel=1e-5)
+    assert found.left["surge"] < 1e-4 < 0.05 < found.left_before["surge"]

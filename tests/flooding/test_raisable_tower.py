@@ -10,6 +10,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.lifting import stroke
+from fowtlib.cli.app import main
 from fowtlib.language.errors import ModelError, SimulationError
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -177,6 +178,26 @@ def test_what_cannot_be_raised_is_refused_with_the_reason(plant, changes, says):
         stroke(plant, 50.0, 0.2, count=11, parameters=changes).check()
 
 
+def test_the_stroke_on_the_command_line(capsys):
+    """The table that `stroke` has; then where GM is too small, and what the command does not take."""
+    assert main(["stability", "dtif_raising", "--stroke", "0.2:50:25", "--csv"]) == 0
+    head, *rows = [line.split(",") for line in capsys.readouterr().out.splitlines()]
+    assert head[:2] == ["place [m]", "GM [m]"] and [float(row[0]) for row in rows] == pytest.approx([0.2, 25.1, 50.0])
+    for row in rows:
+        assert float(row[1]) == pytest.approx(by_hand(float(row[0]))[0], abs=0.01)
+    for more, says in (
+        (["--stroke", "0:50:5", "--least", "3"], "GM is below 3 m from s = 40.8"),
+        (["--stroke", "0:50:25", "--towards", "90"], "are not of a stroke"),
+        (["--stroke", "0,25,50"], "are no two places [m] from 0 upwards"),
+        (["--stroke", "5"], "are no two places [m] from 0 upwards"),
+        (["--stroke", "0:50:25", "--plot", "a.png"], "are not of a stroke"),
+        (["--least", "1"], "--least is of --stroke"),
+    ):
+        assert main(["stability", "dtif_raising", *more]) == 2
+        error = capsys.readouterr().err
+        assert says in error and "Traceback" not in error
+
+
 def test_a_run_stops_where_the_cylinder_is_too_small(plant):
     changes = {"platform.cylinder_diameter": 6.0, "platform.shaft_water": 230.0}
     with pytest.raises(SimulationError, match="the water stands over the top of the piston"):
@@ -244,6 +265,19 @@ def test_it_is_raised_in_waves_within_its_limits(plant):
     assert np.ptp(array(result, "heave")) > 0.02
 
 
+def test_with_play_its_rings_knock_and_it_rises_all_the_same(raised):
+    """2 m of 9 s, 20 mm: the place of the tower to 2 cm, rings no deeper in the wall than 15 mm, more acceleration."""
+    sea = {"sea.spectrum": "regular", "sea.wave_height": 2.0, "sea.wave_period": 9.0, "sea.build_up": 60.0}
+    loose = fw.load("dtif_raising_play").compile().simulate(300, 0.1, parameters=sea)
+    fitted = fw.load("dtif_raising").compile().simulate(300, 0.1, parameters=sea)
+    assert array(loose, "position")[-1] == pytest.approx(array(fitted, "position")[-1], abs=0.02)
+    for name in ("first_gap", "second_gap"):
+        gap = array(loose, name)[loose.time > 100]
+        assert -15 < gap.min() < 0 < gap.max() < 20
+    felt = [np.std(array(found, "nacelle_acceleration")[found.time > 100]) for found in (loose, fitted)]
+    assert felt[0] > 1.2 * felt[1]
+
+
 # --- lowering ---------------------------------------------------------------------------------------------------------
 
 
@@ -303,6 +337,17 @@ def test_it_leans_in_the_wind_as_its_stiffness_says():
     assert pitch == pytest.approx(expected, rel=0.08)
     assert state["platform.latch.force"] == pytest.approx(LIFTED * G * math.cos(pitch), rel=0.01)
     assert state["platform.shaft.lift"] == pytest.approx(0, abs=1.0)
+
+
+def test_fifteen_megawatts_by_scaling_stand_as_seven_do():
+    """Froude: power by the scale to 3.5, thrust to the third power, lengths by the scale; angles stay."""
+    by = (15 / 7) ** (1 / 3.5)
+    model = fw.load("dtif_operating", set={"wind.kind": "steady", "wind.mean_speed": 11.0, "sea.spectrum": "still"})
+    one, other = (found.compile().equilibrium() for found in (model, fw.scaled(model, by)))
+    for name, power in (("turbine.generator_power", 3.5), ("turbine.thrust", 3), ("platform.motion.surge", 1),
+                        ("platform.motion.pitch", 0), ("platform.motion.yaw", 0)):  # fmt: skip
+        assert other[name] == pytest.approx(one[name] * by**power, rel=1e-4), name
+    assert other["turbine.generator_power"] == pytest.approx(15e6, rel=1e-3)
 
 
 def test_in_rotor_effective_winds_all_else_is_the_same_and_yaw_dies_out(tmp_path):

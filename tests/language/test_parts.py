@@ -224,3 +224,31 @@ def test_a_number_in_the_place_of_a_part():
             setattr(component, name, 3)
         with pytest.raises(ModelError, match=rf"{name} is (a part|made by|no)"):
             fw.load("oc3_spar_rigid", set={f"{path}.{name}".lstrip("."): 3})
+
+
+class Span(fw.Component):
+    """y = high - low, which is above zero."""
+
+    low: float = param(default=1.0, doc="lower end")
+    high: float = param(default=2.0, doc="upper end")
+    y: RealOutput = port(doc="their difference")
+
+    def build(self):
+        if self.low >= self.high:
+            raise ParameterError(f"{self.label}: low is below high")
+        self.source = Source(value=self.high - self.low)
+        self.connect(self.source.y, self.y)
+
+
+def test_values_that_fit_only_together():
+    """One after the other is refused; together they are taken, or none of them."""
+    span = Span()
+    assert span.source.parameter_value("value") == 1.0
+    with pytest.raises(ParameterError, match="low is below high"):
+        span.low = 5.0
+    span.set_together({"low": 5.0, "high": 8.0})
+    assert span.source.parameter_value("value") == 3.0
+    for wrong in ({"low": 9.0, "high": 8.5}, {"low": 6.0, "hihg": 7.0}, {"low": 6.0, "high": "seven"}):
+        with pytest.raises(ModelError):
+            span.set_together(wrong)
+        assert span.source.parameter_value("value") == 3.0 and span.low == 5.0

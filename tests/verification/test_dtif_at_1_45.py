@@ -46,6 +46,66 @@ def test_four_lines_of_the_lir_basin():
     assert 11.1 < 1 / found["surge"][0] < 24.9
 
 
+def test_three_lines_with_delta():
+    """Tables 5.12 and 5.17: heave 4.203 s, pitch 8.181 s (fitted); the mean of the tensions, 9.03 N, gives the span.
+
+    Legs to the column at 60 deg hold yaw better than three lines (18.06 s), and less than those of the tests (6.21 s).
+    """
+    plant, state, found = modes("dtif_model_scale_delta")
+    assert np.abs(state["platform.motion.acceleration"]).max() < 2e-3
+    assert state["line_1.tension"] == pytest.approx((12.9 + 7.5 + 6.7) / 3, abs=0.01)
+    assert 1 / found["heave"][0] == pytest.approx(4.203, rel=0.005)
+    assert 1 / found["pitch"][0] == pytest.approx(8.181, rel=0.005)
+    assert found["surge"][0] == pytest.approx(found["sway"][0], rel=1e-6)
+    assert 14.851 < 1 / found["surge"][0] < 25.002
+    assert 6.209 < 1 / found["yaw"][0] < 18.055
+
+
+# --- in waves -------------------------------------------------------------------------------------------------------
+
+
+def peaks(frequency, amplitude):
+    """Frequencies of the largest values between two smaller ones."""
+    inner = amplitude[1:-1]
+    return frequency[1:-1][(inner > amplitude[:-2]) & (inner > amplitude[2:])]
+
+
+@pytest.mark.parametrize("name", ["dtif_model_scale_lir", "dtif_model_scale_flowave"])
+def test_the_peaks_of_the_responses(name):
+    """Section 6.7: heave peaks at 0.24 Hz, free and moored; pitch has a second peak at 0.678 Hz, far from its mode."""
+    frequency = np.linspace(0.16, 1.2, 261)
+    response = fw.linear_rao(fw.load(name).compile(), frequency)
+    heave, pitch = response.amplitude("heave"), response.amplitude("pitch")
+    assert frequency[heave.argmax()] == pytest.approx(0.24, abs=0.005)
+    far = peaks(frequency, pitch)[-1]
+    assert far == pytest.approx(0.678, rel=0.12)
+
+
+def test_regular_waves_of_the_programme_are_its_linear_response():
+    """FloWave, H = 40 mm at the frequencies that section 6.7 shows beside 0.2625 Hz, to 1 %."""
+    frequency, model = np.array([0.35, 0.9]), fw.load("dtif_model_scale_flowave")
+    linear = fw.linear_rao(model.compile(), frequency)
+    runs = fw.simulated_rao(model, frequency, height=0.04, settle=160.0, solver="fixed", step=0.02)
+    for motion in ("surge", "pitch"):
+        assert runs.amplitude(motion) == pytest.approx(linear.amplitude(motion), rel=0.01)
+
+
+def test_waves_of_twice_its_frequency_make_it_pitch():
+    """0.2625 Hz, of which the source says non-linear and coupled surge and pitch: twice the 0.132 Hz of its pitch.
+
+    Pitch of half of the frequency of the waves grows to 11 deg where the linear response is 0.3 deg of the whole, and
+    heave falls to a third of the linear one. 0.3 Hz has nothing of the kind.
+    """
+    plant = fw.load("dtif_model_scale_flowave").compile()
+    for f, is_there in ((0.2625, True), (0.3, False)):
+        waves = {"sea.spectrum": "regular", "sea.wave_height": 0.04, "sea.wave_period": 1 / f, "sea.build_up": 60.0}
+        result = plant.simulate(420, 0.1, parameters=waves, step=0.02)
+        late = result.time >= 420 - 30 / f
+        t, pitch = result.time[late], np.radians(np.asarray(result["pitch"])[late])
+        half = abs(2 * np.mean((pitch - pitch.mean()) * np.exp(-1j * np.pi * f * t)))
+        assert half > np.radians(8) if is_there else half < np.radians(0.05)
+
+
 def test_lines_are_lost_one_after_another():
     """The model drifts to the line that is left, which does not pull more than before for long."""
     plant = fw.load("dtif_model_scale_flowave").compile()
