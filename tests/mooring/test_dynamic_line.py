@@ -1,5 +1,7 @@
 """DynamicLine: statics against the elastic catenary, modes, driven tension against MoorDyn, balances, both engines."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -288,3 +290,48 @@ def test_jumper_in_waves(heading, span, first):
     (found, *_), size, _ = harmonics(result.time, np.asarray(result["line.tension"]) / 1e3, 10.0)
     assert size == pytest.approx(span, rel=0.05)
     assert found == pytest.approx(first, rel=0.05)
+
+
+# --- steps that are short enough --------------------------------------------------------------------------------------
+
+
+def whipping(friction=0.5):
+    """A heavy line of three sections that lies slack on 190 m of seabed, its fairlead moved 4 m to and fro in 12 s."""
+    line = DynamicLine(
+        lengths=(166.1, 73.4, 17.1), mass_per_length=(165, 550, 750), diameter=(0.1636, 0.2987, 0.3488), elements=12,
+        axial_stiffness=1.4e10, anchor_position=(232.5, 0, -90), friction=friction,
+    )  # fmt: skip
+    return driven(line, (47.5, 0, -25), 90, 4.0, 1 / 12)
+
+
+def told_of_steps(plant, step, output_step, **more):
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        result = plant.simulate(18.0, output_step=output_step, step=step, **more)
+    said = [str(one.message) for one in found if "its ends part at" in str(one.message)]
+    assert "\n".join(said) in result.attributes["warnings"]
+    return np.asarray(result["line.tensions"]).max(), said
+
+
+def test_a_snap_needs_steps_of_the_time_that_a_wave_takes_through_an_element():
+    """With such steps peaks on the seabed stay within 5 % of half of them; longer steps, and output points, are told.
+
+    The least l sqrt(m / EA) is 23.73 m of the lower section, of which there are seven elements, at 9211 m/s.
+    """
+    plant, wave = whipping(), 166.1 / 7 * np.sqrt(165 / 1.4e10)
+    peak, said = told_of_steps(plant, 0.0025, 0.0025, solver="fixed")
+    finer, also = told_of_steps(plant, 0.00125, 0.00125, solver="fixed")
+    assert not said and not also
+    assert peak == pytest.approx(finer, rel=0.05)
+    _, (said,) = told_of_steps(plant, 0.0125, 0.1, solver="fixed")
+    assert f"not further apart than {wave:.6g} s; this run has steps of 0.0125 s and output points every 0.1 s" in said
+    _, (said,) = told_of_steps(plant, 0.0025, 0.1, solver="fixed")
+    assert "; this run has output points every 0.1 s (t = " in said
+    _, (said,) = told_of_steps(plant, None, 0.1, solver="idas")
+    assert "; this run has output points every 0.1 s (t = " in said
+
+
+def test_a_line_that_stays_taut_or_is_gone_needs_no_short_steps():
+    plant = driven(DynamicLine(**DRIVEN | {"elements": 6}), (858.67, 0, -70), 320, 2.0, 0.1)
+    assert not told_of_steps(plant, 0.05, 0.1, solver="fixed")[1]
+    assert not told_of_steps(plant, 0.05, 0.1, solver="fixed", events=["line.loss at 1 s"])[1]
