@@ -41,7 +41,7 @@ def guarded(plant: Plant, binding: Binding, step: float) -> Plant:
             )
             near = ca.fabs(symbol - number) <= 1e-9 * (1 + abs(number))
             checks.append(Check(near, message, "error", {"value": symbol}, ""))
-    of_runs = [_by_step(check, step) for check in dae.checks if check.level != "rest"]
+    of_runs = [by_step(check, step) for check in dae.checks if check.level != "rest"]
     if not checks and [id(check) for check in of_runs] == [id(check) for check in dae.checks]:
         return plant
     changed = copy.copy(plant)
@@ -49,7 +49,7 @@ def guarded(plant: Plant, binding: Binding, step: float) -> Plant:
     return changed
 
 
-def _by_step(check: Check, step: float) -> Check:
+def by_step(check: Check, step: float) -> Check:
     """A condition on the length of steps as a warning of an engine that takes these [s]."""
     if check.level != "step":
         return check
