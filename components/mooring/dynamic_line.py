@@ -105,8 +105,7 @@ class DynamicLine(DynamicSections):
             [eq(fairlead.f, pulls[1]), eq(fairlead.t, m.zeros(3))],
             hold_anchor(self, pulls[0]),
             on(self.loss, assign(self.intact, 0)),
-            *_limits(self, nodes, line),
-            line_snap.resolved(self, nodes, velocities, line),
+            *_limits(self, nodes, line, line_snap.resolved(self, nodes, velocities, line)),
         ]
 
     def drawing(self) -> shapes.Drawing:
@@ -148,7 +147,7 @@ def _strengths(line: DynamicLine) -> list[Any]:
     return [of_elements[-1], *of_elements]
 
 
-def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
+def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements, snap: Any) -> list[Any]:
     """What the equations hold for."""
     whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
     strains = (lumped_mass.directions(nodes)[0] / elements.length - 1) * whole
@@ -164,7 +163,7 @@ def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> li
         *breaking,
         *_tables(line, strains, elements),
         *_angles(line, nodes, elements),
-        *_bent(line),
+        *_bent(line), snap,
     ]  # fmt: skip
 
 
