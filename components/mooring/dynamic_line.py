@@ -105,7 +105,7 @@ class DynamicLine(DynamicSections):
             [eq(fairlead.f, pulls[1]), eq(fairlead.t, m.zeros(3))],
             hold_anchor(self, pulls[0]),
             on(self.loss, assign(self.intact, 0)),
-            *_limits(self, nodes, line, line_snap.resolved(self, nodes, velocities, line)),
+            *_limits(self, nodes, line, line_snap.resolved(self, nodes, velocities, line, now.weight)),
         ]
 
     def drawing(self) -> shapes.Drawing:
