@@ -472,9 +472,9 @@ class Run:
         if not values.size or np.isnan(values).any():
             values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
         for k in np.flatnonzero((values == 0).any(axis=1)):
-            for i in np.flatnonzero(values[k] == 0):
+            for i in np.flatnonzero(values[k] == 0).tolist():
                 check = self.dae.checks[i]
-                if check.level == "rest" or (check.level != "error" and int(i) in self.warned):
+                if check.level == "rest" or (check.level != "error" and i in self.warned):
                     continue
                 point = times[k], x[k], z[k], self.q
                 coarse = too_coarse(self.at, i, *point, self.engine, self.step) if check.level == "step" else ""
@@ -482,7 +482,7 @@ class Run:
                     continue
                 text = f"{broken(self.at, i, self.about.name, *point)}{coarse} (t = {times[k]:g} s)."
                 if check.level != "error":
-                    self.warned[int(i)] = text
+                    self.warned[i] = text
                     warnings.warn(text, stacklevel=2)
                     continue
                 last = self.rows[-1]
