@@ -10,7 +10,7 @@ import numpy as np
 from fowtlib.components.environment.current import Current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.components.mooring import line_at_rest, lumped_mass
+from fowtlib.components.mooring import line_at_rest, line_snap, lumped_mass
 from fowtlib.components.mooring.anchors import ends_above_seabed, hold_anchor
 from fowtlib.components.mooring.dynamic_sections import DynamicSections
 from fowtlib.language import (
@@ -48,8 +48,8 @@ class DynamicLine(DynamicSections):
     Good for elements of less than a quarter of the length of the waves in the line, whose axial modes the solver need
     not resolve; for a seabed without slopes; for angles from element to element that are small, where it bends. The
     water is that at the nodes at rest. Errors: an end below the seabed; a strain beyond greatest_strain. Warnings: a
-    tension above breaking_load; a curvature above 1 / least_bending_radius. It may break at its fairlead during a run
-    (`loss`), and falls.
+    tension above breaking_load; a curvature above 1 / least_bending_radius; steps or output points too far apart for
+    the snap of a slack element. It may break at its fairlead during a run (`loss`), and falls.
     """
 
     mode_names = {"*": "{part} motion"}
@@ -105,7 +105,7 @@ class DynamicLine(DynamicSections):
             [eq(fairlead.f, pulls[1]), eq(fairlead.t, m.zeros(3))],
             hold_anchor(self, pulls[0]),
             on(self.loss, assign(self.intact, 0)),
-            *_limits(self, nodes, line),
+            *_limits(self, nodes, line, line_snap.resolved(self, nodes, velocities, line, now.weight)),
         ]
 
     def drawing(self) -> shapes.Drawing:
@@ -147,7 +147,7 @@ def _strengths(line: DynamicLine) -> list[Any]:
     return [of_elements[-1], *of_elements]
 
 
-def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
+def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements, snap: Any) -> list[Any]:
     """What the equations hold for."""
     whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
     strains = (lumped_mass.directions(nodes)[0] / elements.length - 1) * whole
@@ -163,7 +163,7 @@ def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> li
         *breaking,
         *_tables(line, strains, elements),
         *_angles(line, nodes, elements),
-        *_bent(line),
+        *_bent(line), snap,
     ]  # fmt: skip
 
 

@@ -62,8 +62,9 @@ def export_fmu(
     require_platforms(names, version)
     told("start values")
     state = plant.initial_state(parameters, start)
-    plant = guarded(plant, plant.binding(parameters))
-    variables = Variables(plant, state, _settings(plant, step, rho_inf, tolerance))
+    settings = _settings(plant, step, rho_inf, tolerance)
+    plant = guarded(plant, plant.binding(parameters), settings.step)
+    variables = Variables(plant, state, settings)
     if parameters:
         _put_parameters(variables, plant.parameter_values(parameters))
     told("C code")

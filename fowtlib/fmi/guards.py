@@ -16,13 +16,14 @@ from fowtlib.solving.binding import Binding
 from fowtlib.solving.plant import Plant
 
 
-def guarded(plant: Plant, binding: Binding) -> Plant:
+def guarded(plant: Plant, binding: Binding, step: float) -> Plant:
     """The plant with checks of the parameters that follow from others, and of those for whose values it holds data.
 
     What an importer sets is checked against its own bounds as it is set; what follows from it may leave its bounds too.
     Numbers that a model takes in when a run starts, a series of turbulence, are constants of the archive. A parameter
     that they were computed from can be changed by an importer, and they would not follow.
-    Conditions of an equilibrium are left out: an FMU runs.
+    Conditions of an equilibrium are left out: an FMU runs. Those on the length of steps are about `step` [s], that of
+    the engine inside.
     """
     dae, checks = plant.dae, list(_bounds(plant.dae))
     made: dict[str, str] = {}
@@ -40,12 +41,21 @@ def guarded(plant: Plant, binding: Binding) -> Plant:
             )
             near = ca.fabs(symbol - number) <= 1e-9 * (1 + abs(number))
             checks.append(Check(near, message, "error", {"value": symbol}, ""))
-    of_runs = [check for check in dae.checks if check.level != "rest"]
-    if not checks and len(of_runs) == len(dae.checks):
+    of_runs = [by_step(check, step) for check in dae.checks if check.level != "rest"]
+    if not checks and [id(check) for check in of_runs] == [id(check) for check in dae.checks]:
         return plant
     changed = copy.copy(plant)
     changed.dae = replace(dae, checks=(*of_runs, *checks), key="")  # another model than the one that is kept
     return changed
+
+
+def by_step(check: Check, step: float) -> Check:
+    """A condition on the length of steps as a warning of an engine that takes these [s]."""
+    if check.level != "step":
+        return check
+    holds = ca.logic_or(check.condition, check.values["seconds"] >= step * (1 - 1e-9))
+    message = f"{check.message}; the engine inside has steps of {step:g} s"
+    return Check(holds, message, "warning", check.values, check.path)
 
 
 def _bounds(dae: FlatDAE) -> Iterator[Check]:

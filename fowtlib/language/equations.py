@@ -366,11 +366,15 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
 def assert_(condition: Any, message: str, level: str = "error", **values: Any) -> Assertion:
     """Checked at every output point: "error" stops the simulation there, "warning" is said once.
 
-    "rest" is an error of an equilibrium, and says nothing in a run, which may pass through such a state.
+    "rest" is an error of an equilibrium, and says nothing in a run, which may pass through such a state. "step" is a
+    warning of a run whose output points, or whose steps by the solver `fixed`, are further apart than the value
+    `seconds`, which it must have: what is too quick for them is not resolved.
     values: scalars that are put into the message where it has their name in braces.
     """
-    if level not in ("error", "warning", "rest"):
-        raise StructureError(f"assert_(level={level!r}): choose 'error', 'warning' or 'rest'.")
+    if level not in ("error", "warning", "rest", "step"):
+        raise StructureError(f"assert_(level={level!r}): choose 'error', 'warning', 'rest' or 'step'.")
+    if level == "step" and "seconds" not in values:
+        raise StructureError("assert_(level='step') needs the value `seconds`: the longest step that resolves it.")
     return Assertion(_column(condition), message, level, source_line(), {k: _column(v) for k, v in values.items()})
 
 

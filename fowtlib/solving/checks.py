@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
+from fowtlib.solving.engines.base import Engine
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 
@@ -52,3 +53,14 @@ def broken(at: AtParameters, check: int, model: str, t: float, x: np.ndarray, z:
     for name, value in zip(item.values, told, strict=True):
         text = text.replace("{" + name + "}", f"{value:.6g}")
     return f"{item.path or model or 'model'}: {text.rstrip('.')}"
+
+
+def too_coarse(at: AtParameters, check: int, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, engine: Engine,
+               output_step: float) -> str:  # fmt: skip
+    """How far apart the points of a run are, where a condition of level "step" asks for nearer ones; else nothing."""
+    names = list(at.dae.checks[check].values)
+    asked = float(np.array(at.call(at.functions.told(check), t, x, z, q)).ravel()[names.index("seconds")])
+    step = float(engine.attributes.get("step", 0.0))  # one that watches its error has none
+    said = [f"{name} {length:g} s" for name, length in (("steps of", step), ("output points every", output_step))
+            if length > asked * (1 + 1e-9)]  # fmt: skip
+    return f"; this run has {' and '.join(said)}" if said else ""

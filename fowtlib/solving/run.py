@@ -19,7 +19,7 @@ from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.checkpoint import checkpoint as make_checkpoint
 from fowtlib.solving.checkpoint import differences, restore
-from fowtlib.solving.checks import broken
+from fowtlib.solving.checks import broken, too_coarse
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.events import StateEvents
@@ -472,13 +472,17 @@ class Run:
         if not values.size or np.isnan(values).any():
             values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
         for k in np.flatnonzero((values == 0).any(axis=1)):
-            for i in np.flatnonzero(values[k] == 0):
+            for i in np.flatnonzero(values[k] == 0).tolist():
                 check = self.dae.checks[i]
-                if check.level == "rest" or (check.level == "warning" and int(i) in self.warned):
+                if check.level == "rest" or (check.level != "error" and i in self.warned):
                     continue
-                text = f"{broken(self.at, i, self.about.name, times[k], x[k], z[k], self.q)} (t = {times[k]:g} s)."
-                if check.level == "warning":
-                    self.warned[int(i)] = text
+                point = times[k], x[k], z[k], self.q
+                coarse = too_coarse(self.at, i, *point, self.engine, self.step) if check.level == "step" else ""
+                if check.level == "step" and not coarse:
+                    continue
+                text = f"{broken(self.at, i, self.about.name, *point)}{coarse} (t = {times[k]:g} s)."
+                if check.level != "error":
+                    self.warned[i] = text
                     warnings.warn(text, stacklevel=2)
                     continue
                 last = self.rows[-1]

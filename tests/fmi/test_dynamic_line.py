@@ -1,5 +1,6 @@
 """A line with dynamics in an archive: its shape at rest is numbers of the run, its axial modes are stiff."""
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -7,6 +8,8 @@ import fowtlib as fw
 from fowtlib.components.mechanics import World
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mooring import DynamicLine
+from fowtlib.flattening.flat_dae import Check
+from fowtlib.fmi.guards import by_step, guarded
 
 
 @pytest.fixture(scope="module")
@@ -29,3 +32,15 @@ def test_an_archive_runs_as_the_model_does(moved, as_unit):
     for name in ("tension", "middle"):
         np.testing.assert_allclose(rows[name], run[name], rtol=1e-9)
     assert np.ptp(rows["tension"]) > 2e5
+
+
+def test_an_archive_tells_of_steps_that_are_too_long_for_a_snap(moved):
+    """The condition on steps is a warning of the engine inside, broken where its steps are longer and it is quick."""
+    inside = guarded(moved, moved.binding(None), 0.0125).dae
+    assert "step" in {check.level for check in moved.dae.checks}
+    (check,) = [check for check in inside.checks if "its ends part at" in check.message]
+    assert check.level == "warning" and check.message.endswith("; the engine inside has steps of 0.0125 s")
+    calm, seconds = ca.SX.sym("calm"), ca.SX.sym("seconds")
+    warning = by_step(Check(calm, "said", "step", {"seconds": seconds}, "line"), 0.0125)
+    holds = ca.Function("holds", [calm, seconds], [warning.condition])
+    assert [float(holds(*given)) for given in ((0, 0.0124), (0, 0.0125), (1, 0.001))] == [0, 1, 1]
