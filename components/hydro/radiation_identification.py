@@ -53,6 +53,7 @@ RAW_STATES = 16  # per motion, of the realisation before truncation
 _PASSIVITY_POINTS = 300, 1200, 4800  # as many as it takes: narrow dips hide between few
 PASSIVE = -1e-6  # of the largest eigenvalue
 _PASSIVITY_ROUNDS = 40
+_LEFT = 0.1  # of the kernel, from which other numbers of states are tried
 
 
 @dataclass(frozen=True)
@@ -250,7 +251,7 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     column = damping[:, rows, columns]
     band = bandwidth(omega, column)
     step = time_step or np.pi / (4 * band)
-    resolved = np.pi / np.diff(np.append(0.0, omega))[np.append(0.0, omega[:-1]) < band].max()
+    resolved = np.pi / _spacing(omega, column)
     samples = int(duration / step) + 1 if duration else min(SAMPLES, int(resolved / step) + 1)
     if samples < _FEWEST_SAMPLES:
         raise HydrodynamicDataError(
@@ -267,8 +268,33 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     return time, kernel
 
 
+def _spacing(omega: Floats, damping: Floats) -> float:
+    """Spacing of the frequencies where the damping (n, m) is, in the mean over its squares.
+
+    A kernel is known up to pi over it: a few wide steps where little is left of the damping do not shorten it.
+    """
+    weight = (damping**2 / (damping**2).max(axis=0)).sum(axis=1)
+    return float(np.average(np.diff(np.append(0.0, omega)), weights=weight))
+
+
 def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
-    """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit."""
+    """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit.
+
+    Where passivity leaves more than a tenth of the kernel, fewer states may do better, and are taken if so.
+    """
+    found, left = None, np.inf
+    for states in range(order, 1, -2):
+        A, B, C, group = _identified(time, K, states, passive, motions)
+        rest = linalg.norm(model_kernel(A, B, C, time) - K) / linalg.norm(K)
+        if rest < left:
+            found, left = (A, B, C, group), rest
+        if not passive or left < _LEFT:
+            break
+    assert found is not None
+    return found
+
+
+def _identified(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
     step, p = time[1] - time[0], K.shape[1]
     hankel, Ad, B, C = realisation(K, RAW_STATES * p)
     A, B, C = continuous(Ad, B, C, step)
