@@ -62,14 +62,16 @@ def test_shapes_radiate_by_few_combinations_and_planes_stay_apart(second, groups
     kept = np.ix_(range(len(OMEGA)), [0, 1, 6, 7, 8, 9], [0, 1, 6, 7, 8, 9])
     apart = np.abs(model.transfer(OMEGA).real - damping)[kept] / np.outer(size, size)
     assert apart.max() < 0.02
-    assert np.array_equal(model.transfer(OMEGA)[:, :6, :6], rigid.transfer(OMEGA)[:, :6, :6])
+    np.testing.assert_allclose(model.transfer(OMEGA)[:, :6, :6], rigid.transfer(OMEGA)[:, :6, :6], atol=1e-9)
 
 
-@pytest.mark.parametrize(("name", "states", "bound"), [("tlp_elastic", 52, 0.06)])
-def test_shipped_memory_is_near_to_its_damping(name, states, bound):
+@pytest.mark.parametrize(
+    ("name", "order", "states", "bound"), [("tlp_elastic", 4, 52, 0.06), ("oo_star", 6, 112, 0.22)]
+)
+def test_shipped_memory_is_near_to_its_damping(name, order, states, bound):
     """Every entry B_ij of the model within a share of sqrt(max B_ii max B_jj) at all frequencies, and passive."""
     data = ModalDatabase.read(DATA / name / "shapes.nc")
-    model = kept_modal_radiation(data, 4, True)
+    model = kept_modal_radiation(data, order, True)
     assert model.passive and model.stable and model.states == states
     damping = (data.B + data.B.transpose(0, 2, 1)) / 2
     size = np.sqrt(np.einsum("nii->ni", damping).max(axis=0))
