@@ -21,6 +21,7 @@ Source: that of radiation_identification; the shape of the matrices is our own.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -45,9 +46,9 @@ _RIGID = 6
 _ROUNDS = 150  # of adding conditions of passivity
 _MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _MOVED
 _MOVED = 0.1
-_MORE_EACH = 0, 2, 4  # states for each motion beyond the order, where all are fitted together and _MOVED is left
 _MODULES = rigid_fit.__name__, radiating_motions.__module__, __name__  # whose code decides what is found
 _SHARE = 1e-3  # of a motion in those that a group is named by
+_PASSIVE = rigid_fit.PASSIVE / 4  # of motions that radiate, so that it holds for all motions by their own sizes
 _POINTS = 300, 1200, 4800  # frequencies at which it is asked for, as many as it takes
 
 
@@ -70,7 +71,8 @@ def bordered_radiation(
     rigid_groups = csgraph.connected_components(used[:_RIGID, :_RIGID], directed=False)[1]
     motions = radiating_motions(omega, scaled, rigid_groups)
     units = np.append(scale[:_RIGID], np.ones(len(motions.among) - _RIGID))
-    A, B, C, groups = _of_motions(rigid, units, omega, motions.of(scaled), order, passive)
+    by_rigid = -motions.back[:_RIGID, _RIGID:]
+    A, B, C, groups = _of_motions(rigid, units, omega, motions.of(scaled), by_rigid, order, passive)
     among = motions.among * scale / units[:, None]
     B, C = B @ among, among.T @ C
     time, K = rigid_fit.sampled_kernel(omega, np.where(used, scaled, 0.0), used, None, None)
@@ -83,18 +85,19 @@ def bordered_radiation(
 
 
 def _of_motions(
-    rigid: RadiationModel, units: Floats, omega: Floats, damping: Floats, order: int, passive: bool
+    rigid: RadiationModel, units: Floats, omega: Floats, damping: Floats, by_rigid: Floats, order: int, passive: bool
 ) -> tuple[Floats, Floats, Floats, list[GroupFit]]:
     """A, B, C of motions that make waves, and the fit of each group of them; damping (n, 6 + p, 6 + p) as scaled.
 
     The scaled motion is the motion times its unit; entries of the damping below THRESHOLD are left out.
+    by_rigid (6, p): what the combinations of shapes radiate as rigid motions do, besides.
     """
     largest = np.abs(damping).max(axis=0)
     alive = largest.diagonal() > rigid_fit.THRESHOLD
     used = (largest > rigid_fit.THRESHOLD) & np.outer(alive, alive)
-    size = np.sqrt(np.where(alive, largest.diagonal(), 1.0))
-    time, K = rigid_fit.sampled_kernel(omega, np.where(used, damping / np.outer(size, size), 0.0), used, None, None)
-    size = size * units
+    own = np.sqrt(np.where(alive, largest.diagonal(), 1.0))
+    time, K = rigid_fit.sampled_kernel(omega, np.where(used, damping / np.outer(own, own), 0.0), used, None, None)
+    size = own * units
     count, label = csgraph.connected_components(used, directed=False)
     parts, groups = [], []
     for together in (np.flatnonzero(label == k) for k in range(count)):
@@ -107,7 +110,9 @@ def _of_motions(
             )  # fmt: skip
             group = next(one for one in rigid.groups if one.motions[0] in together)
         else:
-            *found, group = _Border(rigid, together, size, time, K).solved(order, passive)
+            moved, bent = together[together < _RIGID], together[together >= _RIGID]
+            besides = by_rigid[np.ix_(moved, bent - _RIGID)] * own[moved, None] / own[bent]
+            *found, group = _Border(rigid, together, size, time, K).solved(order, passive, besides)
         parts.append((together, found))
         groups.append(group)
     A = linalg.block_diag(*(a for _, (a, _, _) in parts))
@@ -163,15 +168,22 @@ class _Border:
         self.A, self.B = rigid.A[np.ix_(self.states, self.states)], b / self.size
         self.C = rigid.C[np.ix_(moved, self.states)] / self.scale[: self.count, None] * self.size
 
-    def solved(self, order: int, passive: bool) -> tuple[Floats, Floats, Floats, GroupFit]:
+    def solved(self, order: int, passive: bool, by_rigid: Floats) -> tuple[Floats, Floats, Floats, GroupFit]:
         """A, B, C in the units of the motions, and how well they fit.
 
         More states than asked, where passivity beside the given model of the rigid motions moves the fit far; then the
-        states of a realisation of all motions; a fit of all motions at once, where those do not help.
+        states of a realisation of all motions; both again of shapes that radiate as rigid motions do besides; a fit of
+        all motions at once, where those do not help.
         """
+        turn = np.eye(len(self.motions))
         best = self._beside(order, passive) if self.count else None  # shapes alone have nothing to stand beside
+        if best is None and self.count:
+            turn, whole = self._together(by_rigid), copy(self)
+            whole.K = turn.T @ self.K @ turn
+            best = whole._beside(order, passive)
         if best is None:
-            A, B, C, group = self._all_at_once(order, passive)
+            orders = order, order + 2, *range(order - 2, 1, -2)
+            A, B, C, group = rigid_fit.identify_group(self.time, self.K, orders, passive, self.motions)
         else:
             C, found, A, b, hankel, dropped = best
             B, names = linalg.block_diag(self.B, b), tuple(int(k) for k in self.motions)
@@ -179,8 +191,17 @@ class _Border:
             A = linalg.block_diag(self.A, A)
             slowest = float(linalg.eigvals(A).real.max())
             group = GroupFit(names, len(A), hankel, share, dropped, slowest, found)
+            B, C = linalg.solve(turn.T, B.T).T, linalg.solve(turn.T, C)
         size = self.scale.max()
         return A, B * self.scale / size, C * self.scale[:, None] * size, group
+
+    def _together(self, by_rigid: Floats) -> Floats:
+        """How rigid motions and shapes that radiate as these do besides make up the motions, of about equal kernels."""
+        turn, r = np.eye(len(self.motions)), self.count
+        turn[:r, r:] = by_rigid
+        first = turn.T @ self.K[0] @ turn
+        turn[:, r:] *= np.sqrt(self.K[0].diagonal()[r:] / first.diagonal()[r:])
+        return turn
 
     def _beside(self, order: int, passive: bool) -> tuple[Floats, float, Floats, Floats, Floats, int] | None:
         """C and how passive it is, A and B of the shapes' states, beside the rigid model; None: moved too far."""
@@ -191,19 +212,6 @@ class _Border:
                 break
         moved, C, found, A, b, hankel, dropped = min(tried, key=lambda one: one[0])
         return None if moved > _MOVED else (C, found, A, b, hankel, dropped)
-
-    def _all_at_once(self, order: int, passive: bool) -> tuple[Floats, Floats, Floats, GroupFit]:
-        """A, B, C and the fit of all motions; with other numbers of states where too little of the kernel is met."""
-        best, found = np.inf, None
-        for more in _MORE_EACH:
-            A, B, C, group = rigid_fit.identify_group(self.time, self.K, order + more, passive, self.motions)
-            left = float(linalg.norm(rigid_fit.model_kernel(A, B, C, self.time) - self.K) / linalg.norm(self.K))
-            if found is None or left < best:
-                best, found = left, (A, B, C, group)
-            if best < _MOVED:
-                break
-        assert found is not None
-        return found
 
     def _dynamics(self, order: int) -> Iterator[tuple[Floats, int, Floats, Floats]]:
         """Hankel singular values, how many modes do not decay, A and B of the states that the shapes drive, in turn.
@@ -257,7 +265,7 @@ class _Border:
         for _ in range(_ROUNDS):
             load = self._whole(rows, y) @ T
             value, vector = np.linalg.eigh(load + load.conj().transpose(0, 2, 1))
-            small = -rigid_fit.PASSIVE * value.max() / 2
+            small = -_PASSIVE * value.max() / 2
             low = np.flatnonzero(rigid_fit.local_minima(value[:, 0]) & (value[:, 0] < -small))
             if not low.size:
                 break

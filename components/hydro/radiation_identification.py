@@ -24,7 +24,7 @@ Taghipour, Perez and Moan, Ocean Engineering 35 (2008) 684-705; Lawson and Hanso
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
-from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
+from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel, spline_between
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.on_use import OnUse
 
@@ -54,6 +54,8 @@ _PASSIVITY_POINTS = 300, 1200, 4800  # as many as it takes: narrow dips hide bet
 PASSIVE = -1e-6  # of the largest eigenvalue
 _PASSIVITY_ROUNDS = 40
 _LEFT = 0.1  # of the kernel, from which other numbers of states are tried
+_SMOOTH = 0.2  # of the largest damping, least that a spline misses of one that its frequencies do not resolve
+_EVEN = 0.9  # mean over widest step of frequencies that count as even
 
 
 @dataclass(frozen=True)
@@ -172,10 +174,10 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
     time, K = sampled_kernel(omega, scaled, used, time_step, duration)
 
     count, label = connected_components(used, directed=False)
-    reduced, groups = [], []
+    reduced, groups, orders = [], [], range(order, 1, -2)
     for motions in (np.flatnonzero(label == k) for k in range(count)):
         if used[motions[0], motions[0]]:
-            *matrices, group = identify_group(time, K[:, motions[:, None], motions], order, passive, motions)
+            *matrices, group = identify_group(time, K[:, motions[:, None], motions], orders, passive, motions)
             reduced.append((motions, matrices))
             groups.append(group)
     A = linalg.block_diag(*(a for _, (a, _, _) in reduced))
@@ -251,7 +253,7 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     column = damping[:, rows, columns]
     band = bandwidth(omega, column)
     step = time_step or np.pi / (4 * band)
-    resolved = np.pi / _spacing(omega, column)
+    resolved = np.pi / _spacing(omega, column, band)
     samples = int(duration / step) + 1 if duration else min(SAMPLES, int(resolved / step) + 1)
     if samples < _FEWEST_SAMPLES:
         raise HydrodynamicDataError(
@@ -268,27 +270,40 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     return time, kernel
 
 
-def _spacing(omega: Floats, damping: Floats) -> float:
-    """Spacing of the frequencies where the damping (n, m) is, in the mean over its squares.
+def _spacing(omega: Floats, damping: Floats, band: float) -> float:
+    """Spacing of the frequencies that says how long the kernel is known, up to pi over it.
 
-    A kernel is known up to pi over it: a few wide steps where little is left of the damping do not shorten it.
+    The widest step in the band; where the damping (n, m) is smooth between its frequencies, the mean over its squares:
+    a few wide steps where little is left of it do not shorten the kernel then. Smooth is what a spline without a
+    frequency meets there, by the median over the entries.
     """
-    weight = (damping**2 / (damping**2).max(axis=0)).sum(axis=1)
-    return float(np.average(np.diff(np.append(0.0, omega)), weights=weight))
+    steps, weight = np.diff(np.append(0.0, omega)), (damping**2 / (damping**2).max(axis=0)).sum(axis=1)
+    widest = float(steps[np.append(0.0, omega[:-1]) < band].max())
+    mean = float(np.average(steps, weights=weight))
+    if mean > _EVEN * widest:
+        return widest
+    missed = [
+        np.median(np.abs(spline_between(np.delete(omega, k), np.delete(scaled, k, axis=0))(omega[k]) - scaled[k]))
+        for scaled in [damping / np.abs(damping).max(axis=0)] for k in range(len(omega) - 1)
+    ]  # fmt: skip
+    return mean if max(missed) < _SMOOTH else widest
 
 
-def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
+def identify_group(
+    time: Floats, K: Floats, orders: Iterable[int], passive: bool, motions: NDArray[np.intp]
+) -> tuple[Floats, Floats, Floats, GroupFit]:
     """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit.
 
-    Where passivity leaves more than a tenth of the kernel, fewer states may do better, and are taken if so.
+    By the first order that leaves less than a tenth of the kernel, or by the one that leaves least: passivity may leave
+    more with more states.
     """
-    found, left = None, np.inf
-    for states in range(order, 1, -2):
-        A, B, C, group = _identified(time, K, states, passive, motions)
-        rest = linalg.norm(model_kernel(A, B, C, time) - K) / linalg.norm(K)
-        if rest < left:
-            found, left = (A, B, C, group), rest
-        if not passive or left < _LEFT:
+    found, least = None, np.inf
+    for order in orders:
+        A, B, C, group = _identified(time, K, order, passive, motions)
+        left = float(linalg.norm(model_kernel(A, B, C, time) - K) / linalg.norm(K))
+        if found is None or left < least:
+            found, least = (A, B, C, group), left
+        if not passive or least < _LEFT:
             break
     assert found is not None
     return found
