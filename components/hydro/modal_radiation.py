@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,8 +45,9 @@ else:
 Floats = NDArray[np.float64]
 _RIGID = 6
 _ROUNDS = 150  # of adding conditions of passivity
-_MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _MOVED
-_MOVED = 0.1
+_MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _LITTLE
+_LITTLE, _MOVED = 0.05, 0.1  # what is aimed at, and what is taken at most
+_FIRST = 2  # how many sizes are tried of shapes without what they radiate as rigid motions do
 _MODULES = rigid_fit.__name__, radiating_motions.__module__, __name__  # whose code decides what is found
 _SHARE = 1e-3  # of a motion in those that a group is named by
 _PASSIVE = rigid_fit.PASSIVE / 4  # of motions that radiate, so that it holds for all motions by their own sizes
@@ -71,11 +73,11 @@ def bordered_radiation(
     rigid_groups = csgraph.connected_components(used[:_RIGID, :_RIGID], directed=False)[1]
     motions = radiating_motions(omega, scaled, rigid_groups)
     units = np.append(scale[:_RIGID], np.ones(len(motions.among) - _RIGID))
-    by_rigid = -motions.back[:_RIGID, _RIGID:]
-    A, B, C, groups = _of_motions(rigid, units, omega, motions.of(scaled), by_rigid, order, passive)
+    time, K = rigid_fit.sampled_kernel(omega, np.where(used, scaled, 0.0), used, None, None)
+    by_rigid, known = -motions.back[:_RIGID, _RIGID:], float(time[-1])
+    A, B, C, groups = _of_motions(rigid, units, omega, motions.of(scaled), known, by_rigid, order, passive)
     among = motions.among * scale / units[:, None]
     B, C = B @ among, among.T @ C
-    time, K = rigid_fit.sampled_kernel(omega, np.where(used, scaled, 0.0), used, None, None)
     entries = rigid_fit.entry_fits(
         omega, damping, added_mass, infinite, time, K * np.outer(scale, scale), used, A, B, C
     )  # fmt: skip
@@ -85,18 +87,19 @@ def bordered_radiation(
 
 
 def _of_motions(
-    rigid: RadiationModel, units: Floats, omega: Floats, damping: Floats, by_rigid: Floats, order: int, passive: bool
+    rigid: RadiationModel, units: Floats, omega: Floats, damping: Floats, known: float, by_rigid: Floats, order: int,
+    passive: bool,
 ) -> tuple[Floats, Floats, Floats, list[GroupFit]]:
     """A, B, C of motions that make waves, and the fit of each group of them; damping (n, 6 + p, 6 + p) as scaled.
 
     The scaled motion is the motion times its unit; entries of the damping below THRESHOLD are left out.
-    by_rigid (6, p): what the combinations of shapes radiate as rigid motions do, besides.
+    known [s]: how long the kernel is known; by_rigid (6, p): what combinations radiate as rigid motions do, besides.
     """
     largest = np.abs(damping).max(axis=0)
     alive = largest.diagonal() > rigid_fit.THRESHOLD
     used = (largest > rigid_fit.THRESHOLD) & np.outer(alive, alive)
     own = np.sqrt(np.where(alive, largest.diagonal(), 1.0))
-    time, K = rigid_fit.sampled_kernel(omega, np.where(used, damping / np.outer(own, own), 0.0), used, None, None)
+    time, K = rigid_fit.sampled_kernel(omega, np.where(used, damping / np.outer(own, own), 0.0), used, None, known)
     size = own * units
     count, label = csgraph.connected_components(used, directed=False)
     parts, groups = [], []
@@ -176,11 +179,11 @@ class _Border:
         all motions at once, where those do not help.
         """
         turn = np.eye(len(self.motions))
-        best = self._beside(order, passive) if self.count else None  # shapes alone have nothing to stand beside
+        best = self._beside(order, passive, _FIRST) if self.count else None  # shapes alone stand beside nothing
         if best is None and self.count:
             turn, whole = self._together(by_rigid), copy(self)
             whole.K = turn.T @ self.K @ turn
-            best = whole._beside(order, passive)
+            best = whole._beside(order, passive, None)
         if best is None:
             orders = order, order + 2, *range(order - 2, 1, -2)
             A, B, C, group = rigid_fit.identify_group(self.time, self.K, orders, passive, self.motions)
@@ -203,12 +206,14 @@ class _Border:
         turn[:, r:] *= np.sqrt(self.K[0].diagonal()[r:] / first.diagonal()[r:])
         return turn
 
-    def _beside(self, order: int, passive: bool) -> tuple[Floats, float, Floats, Floats, Floats, int] | None:
+    def _beside(
+        self, order: int, passive: bool, tries: int | None
+    ) -> tuple[Floats, float, Floats, Floats, Floats, int] | None:
         """C and how passive it is, A and B of the shapes' states, beside the rigid model; None: moved too far."""
         tried = []
-        for hankel, dropped, A, b in self._dynamics(order):
+        for hankel, dropped, A, b in islice(self._dynamics(order), tries):
             tried.append((*self._passed(A, b, passive), A, b, hankel, dropped))
-            if tried[-1][0] < _MOVED:
+            if tried[-1][0] < _LITTLE:
                 break
         moved, C, found, A, b, hankel, dropped = min(tried, key=lambda one: one[0])
         return None if moved > _MOVED else (C, found, A, b, hankel, dropped)
