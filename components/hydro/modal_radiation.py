@@ -71,7 +71,8 @@ def bordered_radiation(
         return replace(rigid, B=B, C=np.vstack([rigid.C, empty]), skipped=_skipped(used))
     scaled = np.where(np.outer(used.diagonal(), used.diagonal()), damping / np.outer(scale, scale), 0.0)
     rigid_groups = csgraph.connected_components(used[:_RIGID, :_RIGID], directed=False)[1]
-    motions = radiating_motions(omega, scaled, rigid_groups)
+    columns = scaled[:, *np.nonzero(np.triu(used))]
+    motions = radiating_motions(omega, scaled, rigid_groups, rigid_fit.is_smooth(omega, columns))
     units = np.append(scale[:_RIGID], np.ones(len(motions.among) - _RIGID))
     time, K = rigid_fit.sampled_kernel(omega, np.where(used, scaled, 0.0), used, None, None)
     by_rigid, known = -motions.back[:_RIGID, _RIGID:], float(time[-1])
@@ -179,8 +180,9 @@ class _Border:
         all motions at once, where those do not help.
         """
         turn = np.eye(len(self.motions))
-        best = self._beside(order, passive, _FIRST) if self.count else None  # shapes alone stand beside nothing
-        if best is None and self.count:
+        parted = bool(by_rigid.any())
+        best = self._beside(order, passive, _FIRST if parted else None) if self.count else None
+        if best is None and parted:
             turn, whole = self._together(by_rigid), copy(self)
             whole.K = turn.T @ self.K @ turn
             best = whole._beside(order, passive, None)

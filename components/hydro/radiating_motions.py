@@ -39,11 +39,15 @@ class RadiatingMotions:
         return self.back.T @ matrices @ self.back
 
 
-def radiating_motions(omega: Floats, damping: Floats, groups: NDArray[np.intp]) -> RadiatingMotions:
-    """Of a scaled, symmetric damping (n, 6 + k, 6 + k) at omega (n,); groups (6 + k,): number of each motion's group.
+def radiating_motions(omega: Floats, damping: Floats, groups: NDArray[np.intp], smooth: bool) -> RadiatingMotions:
+    """Of a scaled, symmetric damping (n, 6 + k, 6 + k) at omega (n,); groups (6,): number of each rigid motion's group.
 
-    As few combinations as keep all entries of the damping to 5 %.
+    As few combinations as keep all entries of the damping to 5 %; of a damping that is not smooth between its
+    frequencies, whose means say little, the shapes themselves.
     """
+    found = RadiatingMotions(np.eye(damping.shape[1]), np.eye(damping.shape[1]))
+    if not smooth:
+        return found
     weight = np.gradient(omega)
     mean = np.einsum("n,nij->ij", weight, damping)
     by_rigid = np.linalg.lstsq(mean[:_RIGID, :_RIGID], mean[:_RIGID, _RIGID:], rcond=_LEAST)[0]
@@ -53,7 +57,7 @@ def radiating_motions(omega: Floats, damping: Floats, groups: NDArray[np.intp]) 
     for count in range(len(size) + 1):
         if 0 < count < len(size) and size[count] > _ALIKE * size[count - 1]:
             continue
-        kept = _told_apart(weight, damping[:, :_RIGID] @ (rest @ direction[:, :count]), groups[:_RIGID])
+        kept = _told_apart(weight, damping[:, :_RIGID] @ (rest @ direction[:, :count]), groups)
         turned = direction[:, :count] @ kept
         rigid = np.eye(_RIGID, len(mean)) + np.hstack([np.zeros((_RIGID, _RIGID)), by_rigid])
         shapes = np.hstack([np.zeros((count, _RIGID)), turned.T])

@@ -273,20 +273,23 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
 def _spacing(omega: Floats, damping: Floats, band: float) -> float:
     """Spacing of the frequencies that says how long the kernel is known, up to pi over it.
 
-    The widest step in the band; where the damping (n, m) is smooth between its frequencies, the mean over its squares:
-    a few wide steps where little is left of it do not shorten the kernel then. Smooth is what a spline without a
-    frequency meets there, by the median over the entries.
+    The mean over the squares of the damping (n, m) where it is smooth between its frequencies, so that a few wide steps
+    where little is left of it do not shorten the kernel; else the widest step in the band.
     """
     steps, weight = np.diff(np.append(0.0, omega)), (damping**2 / (damping**2).max(axis=0)).sum(axis=1)
     widest = float(steps[np.append(0.0, omega[:-1]) < band].max())
     mean = float(np.average(steps, weights=weight))
-    if mean > _EVEN * widest:
-        return widest
+    return mean if mean < _EVEN * widest and is_smooth(omega, damping) else widest
+
+
+def is_smooth(omega: Floats, damping: Floats) -> bool:
+    """Whether a spline without a frequency meets the damping (n, m) there, by the median over the entries."""
+    scaled = damping / np.abs(damping).max(axis=0)
     missed = [
         np.median(np.abs(spline_between(np.delete(omega, k), np.delete(scaled, k, axis=0))(omega[k]) - scaled[k]))
-        for scaled in [damping / np.abs(damping).max(axis=0)] for k in range(len(omega) - 1)
-    ]  # fmt: skip
-    return mean if max(missed) < _SMOOTH else widest
+        for k in range(len(omega) - 1)
+    ]
+    return bool(max(missed) < _SMOOTH)
 
 
 def identify_group(
