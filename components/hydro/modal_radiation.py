@@ -50,7 +50,6 @@ _LITTLE, _MOVED = 0.05, 0.1  # what is aimed at, and what is taken at most
 _FIRST = 2  # how many sizes are tried of shapes without what they radiate as rigid motions do
 _MODULES = rigid_fit.__name__, radiating_motions.__module__, __name__  # whose code decides what is found
 _SHARE = 1e-3  # of a motion in those that a group is named by
-_PASSIVE = rigid_fit.PASSIVE / 4  # of motions that radiate, so that it holds for all motions by their own sizes
 _POINTS = 300, 1200, 4800  # frequencies at which it is asked for, as many as it takes
 
 
@@ -272,7 +271,7 @@ class _Border:
         for _ in range(_ROUNDS):
             load = self._whole(rows, y) @ T
             value, vector = np.linalg.eigh(load + load.conj().transpose(0, 2, 1))
-            small = -_PASSIVE * value.max() / 2
+            small = -rigid_fit.PASSIVE * value.max() / 2
             low = np.flatnonzero(rigid_fit.local_minima(value[:, 0]) & (value[:, 0] < -small))
             if not low.size:
                 break
