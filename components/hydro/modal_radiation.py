@@ -7,9 +7,13 @@ load the rigid body as if it could not bend. A_s, B_s come from the kernels that
 decomposition of their block Hankel matrix and balanced truncation. C_rs, C_sr, C_ss are fitted to the samples of the
 kernel at these poles, with no load at constant velocity and passivity of the whole, as there.
 
+Shapes stand here for the combinations of them that make waves of their own, see radiating_motions: what they radiate
+as rigid motions do needs no states and is passive with the rigid model.
+
 Passivity ties the couplings to the model of the rigid motions, which can be too much for it: where it has a combination
 of motions that makes no waves. Then A_s, B_s come from the kernels of all motions, whose symmetry leaves more modes
-that decay; where that does not help, the motions of that group are fitted together, as in radiation_identification.
+that decay; where that does not help, the motions of that group are fitted together, as in radiation_identification,
+with other numbers of states where a tenth of the kernel is left.
 
 Source: that of radiation_identification; the shape of the matrices is our own.
 """
@@ -17,8 +21,10 @@ Source: that of radiation_identification; the shape of the matrices is our own.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +32,7 @@ from numpy.typing import NDArray
 
 from fowtlib.components.hydro import radiation_identification as rigid_fit
 from fowtlib.components.hydro.modal_database import ModalDatabase
+from fowtlib.components.hydro.radiating_motions import radiating_motions
 from fowtlib.components.hydro.radiation_identification import GroupFit, RadiationModel, kept_model, kept_radiation
 from fowtlib.language.on_use import OnUse
 
@@ -38,8 +45,11 @@ else:
 Floats = NDArray[np.float64]
 _RIGID = 6
 _ROUNDS = 150  # of adding conditions of passivity
-_MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _MOVED
-_MOVED = 0.1
+_MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _LITTLE
+_LITTLE, _MOVED = 0.05, 0.1  # what is aimed at, and what is taken at most
+_FIRST = 2  # how many sizes are tried of shapes without what they radiate as rigid motions do
+_MODULES = rigid_fit.__name__, radiating_motions.__module__, __name__  # whose code decides what is found
+_SHARE = 1e-3  # of a motion in those that a group is named by
 _POINTS = 300, 1200, 4800  # frequencies at which it is asked for, as many as it takes
 
 
@@ -58,30 +68,62 @@ def bordered_radiation(
         empty = np.zeros((m - _RIGID, rigid.states))
         B = np.hstack([rigid.B, empty.T])
         return replace(rigid, B=B, C=np.vstack([rigid.C, empty]), skipped=_skipped(used))
-    scaled = np.where(used, damping / np.outer(scale, scale), 0.0)
-    time, K = rigid_fit.sampled_kernel(omega, scaled, used, None, None)
-    count, label = csgraph.connected_components(used, directed=False)
-    parts, groups = [], []
-    for motions in (np.flatnonzero(label == k) for k in range(count)):
-        if not used[motions[0], motions[0]]:
-            continue
-        if motions[-1] < _RIGID:
-            states = _states_of(rigid, motions)
-            found = rigid.A[np.ix_(states, states)], rigid.B[np.ix_(states, motions)], rigid.C[np.ix_(motions, states)]
-            group = next(one for one in rigid.groups if one.motions[0] in motions)
-        else:
-            *found, group = _Border(rigid, motions, scale, time, K).solved(order, passive)
-        parts.append((motions, found))
-        groups.append(group)
-    A = linalg.block_diag(*(a for _, (a, _, _) in parts))
-    B, C, row = np.zeros((len(A), m)), np.zeros((m, len(A))), 0
-    for motions, (a, b, c) in parts:
-        B[row : row + len(a), motions], C[motions, row : row + len(a)] = b, c
-        row += len(a)
+    scaled = np.where(np.outer(used.diagonal(), used.diagonal()), damping / np.outer(scale, scale), 0.0)
+    rigid_groups = csgraph.connected_components(used[:_RIGID, :_RIGID], directed=False)[1]
+    columns = scaled[:, *np.nonzero(np.triu(used))]
+    motions = radiating_motions(omega, scaled, rigid_groups, rigid_fit.is_smooth(omega, columns))
+    units = np.append(scale[:_RIGID], np.ones(len(motions.among) - _RIGID))
+    time, K = rigid_fit.sampled_kernel(omega, np.where(used, scaled, 0.0), used, None, None)
+    by_rigid, known = -motions.back[:_RIGID, _RIGID:], float(time[-1])
+    A, B, C, groups = _of_motions(rigid, units, omega, motions.of(scaled), known, by_rigid, order, passive)
+    among = motions.among * scale / units[:, None]
+    B, C = B @ among, among.T @ C
     entries = rigid_fit.entry_fits(
         omega, damping, added_mass, infinite, time, K * np.outer(scale, scale), used, A, B, C
     )  # fmt: skip
+    named = [np.flatnonzero(np.abs(motions.among[list(one.motions)]).max(axis=0) > _SHARE) for one in groups]
+    groups = [replace(one, motions=tuple(names.tolist())) for one, names in zip(groups, named, strict=True)]
     return RadiationModel(A, B, C, entries, tuple(groups), _skipped(used))
+
+
+def _of_motions(
+    rigid: RadiationModel, units: Floats, omega: Floats, damping: Floats, known: float, by_rigid: Floats, order: int,
+    passive: bool,
+) -> tuple[Floats, Floats, Floats, list[GroupFit]]:
+    """A, B, C of motions that make waves, and the fit of each group of them; damping (n, 6 + p, 6 + p) as scaled.
+
+    The scaled motion is the motion times its unit; entries of the damping below THRESHOLD are left out.
+    known [s]: how long the kernel is known; by_rigid (6, p): what combinations radiate as rigid motions do, besides.
+    """
+    largest = np.abs(damping).max(axis=0)
+    alive = largest.diagonal() > rigid_fit.THRESHOLD
+    used = (largest > rigid_fit.THRESHOLD) & np.outer(alive, alive)
+    own = np.sqrt(np.where(alive, largest.diagonal(), 1.0))
+    time, K = rigid_fit.sampled_kernel(omega, np.where(used, damping / np.outer(own, own), 0.0), used, None, known)
+    size = own * units
+    count, label = csgraph.connected_components(used, directed=False)
+    parts, groups = [], []
+    for together in (np.flatnonzero(label == k) for k in range(count)):
+        if not alive[together[0]]:
+            continue
+        if together[-1] < _RIGID:
+            states = _states_of(rigid, together)
+            found = (
+                rigid.A[np.ix_(states, states)], rigid.B[np.ix_(states, together)], rigid.C[np.ix_(together, states)]
+            )  # fmt: skip
+            group = next(one for one in rigid.groups if one.motions[0] in together)
+        else:
+            moved, bent = together[together < _RIGID], together[together >= _RIGID]
+            besides = by_rigid[np.ix_(moved, bent - _RIGID)] * own[moved, None] / own[bent]
+            *found, group = _Border(rigid, together, size, time, K).solved(order, passive, besides)
+        parts.append((together, found))
+        groups.append(group)
+    A = linalg.block_diag(*(a for _, (a, _, _) in parts))
+    B, C, row = np.zeros((len(A), len(size))), np.zeros((len(size), len(A))), 0
+    for together, (a, b, c) in parts:
+        B[row : row + len(a), together], C[together, row : row + len(a)] = b, c
+        row += len(a)
+    return A, B, C, groups
 
 
 def _states_of(rigid: RadiationModel, motions: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -99,7 +141,7 @@ def kept_modal_radiation(data: ModalDatabase, order: int, passive: bool) -> Radi
         alone = kept_radiation(rigid.omega, rigid.B, rigid.A, rigid.A_inf, order=order, passive=passive)
         return bordered_radiation(alone, *arrays, order=order, passive=passive)
 
-    return kept_model(make, arrays, f"bordered {order} {passive}", rigid_fit.__name__, __name__)
+    return kept_model(make, arrays, f"bordered {order} {passive}", *_MODULES)
 
 
 def _skipped(used: NDArray[np.bool_]) -> tuple[tuple[int, int], ...]:
@@ -129,28 +171,53 @@ class _Border:
         self.A, self.B = rigid.A[np.ix_(self.states, self.states)], b / self.size
         self.C = rigid.C[np.ix_(moved, self.states)] / self.scale[: self.count, None] * self.size
 
-    def solved(self, order: int, passive: bool) -> tuple[Floats, Floats, Floats, GroupFit]:
+    def solved(self, order: int, passive: bool, by_rigid: Floats) -> tuple[Floats, Floats, Floats, GroupFit]:
         """A, B, C in the units of the motions, and how well they fit.
 
         More states than asked, where passivity beside the given model of the rigid motions moves the fit far; then the
-        states of a realisation of all motions; a fit of all motions at once, where those do not help.
+        states of a realisation of all motions; both again of shapes that radiate as rigid motions do besides; a fit of
+        all motions at once, where those do not help.
         """
-        tried = []
-        for hankel, dropped, A, b in self._dynamics(order):
-            tried.append((*self._passed(A, b, passive), A, b, hankel, dropped))
-            if tried[-1][0] < _MOVED:
-                break
-        moved, C, found, A, b, hankel, dropped = min(tried, key=lambda one: one[0])
-        if moved > _MOVED:
-            A, B, C, group = rigid_fit.identify_group(self.time, self.K, order, passive, self.motions)
+        turn = np.eye(len(self.motions))
+        parted = bool(by_rigid.any())
+        best = self._beside(order, passive, _FIRST if parted else None) if self.count else None
+        if best is None and parted:
+            turn, whole = self._together(by_rigid), copy(self)
+            whole.K = turn.T @ self.K @ turn
+            best = whole._beside(order, passive, None)
+        if best is None:
+            orders = order, order + 2, *range(order - 2, 1, -2)
+            A, B, C, group = rigid_fit.identify_group(self.time, self.K, orders, passive, self.motions)
         else:
+            C, found, A, b, hankel, dropped = best
             B, names = linalg.block_diag(self.B, b), tuple(int(k) for k in self.motions)
             share = float(hankel[: len(A)].sum() / hankel.sum())
             A = linalg.block_diag(self.A, A)
             slowest = float(linalg.eigvals(A).real.max())
             group = GroupFit(names, len(A), hankel, share, dropped, slowest, found)
+            B, C = linalg.solve(turn.T, B.T).T, linalg.solve(turn.T, C)
         size = self.scale.max()
         return A, B * self.scale / size, C * self.scale[:, None] * size, group
+
+    def _together(self, by_rigid: Floats) -> Floats:
+        """How rigid motions and shapes that radiate as these do besides make up the motions, of about equal kernels."""
+        turn, r = np.eye(len(self.motions)), self.count
+        turn[:r, r:] = by_rigid
+        first = turn.T @ self.K[0] @ turn
+        turn[:, r:] *= np.sqrt(self.K[0].diagonal()[r:] / first.diagonal()[r:])
+        return turn
+
+    def _beside(
+        self, order: int, passive: bool, tries: int | None
+    ) -> tuple[Floats, float, Floats, Floats, Floats, int] | None:
+        """C and how passive it is, A and B of the shapes' states, beside the rigid model; None: moved too far."""
+        tried = []
+        for hankel, dropped, A, b in islice(self._dynamics(order), tries):
+            tried.append((*self._passed(A, b, passive), A, b, hankel, dropped))
+            if tried[-1][0] < _LITTLE:
+                break
+        moved, C, found, A, b, hankel, dropped = min(tried, key=lambda one: one[0])
+        return None if moved > _MOVED else (C, found, A, b, hankel, dropped)
 
     def _dynamics(self, order: int) -> Iterator[tuple[Floats, int, Floats, Floats]]:
         """Hankel singular values, how many modes do not decay, A and B of the states that the shapes drive, in turn.

@@ -24,7 +24,7 @@ Taghipour, Perez and Moan, Ocean Engineering 35 (2008) 684-705; Lawson and Hanso
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
-from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
+from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel, spline_between
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.on_use import OnUse
 
@@ -53,6 +53,9 @@ RAW_STATES = 16  # per motion, of the realisation before truncation
 _PASSIVITY_POINTS = 300, 1200, 4800  # as many as it takes: narrow dips hide between few
 PASSIVE = -1e-6  # of the largest eigenvalue
 _PASSIVITY_ROUNDS = 40
+_LEFT = 0.1  # of the kernel, from which other numbers of states are tried
+_SMOOTH = 0.2  # of the largest damping, least that a spline misses of one that its frequencies do not resolve
+_EVEN = 0.9  # mean over widest step of frequencies that count as even
 
 
 @dataclass(frozen=True)
@@ -171,10 +174,10 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
     time, K = sampled_kernel(omega, scaled, used, time_step, duration)
 
     count, label = connected_components(used, directed=False)
-    reduced, groups = [], []
+    reduced, groups, orders = [], [], range(order, 1, -2)
     for motions in (np.flatnonzero(label == k) for k in range(count)):
         if used[motions[0], motions[0]]:
-            *matrices, group = identify_group(time, K[:, motions[:, None], motions], order, passive, motions)
+            *matrices, group = identify_group(time, K[:, motions[:, None], motions], orders, passive, motions)
             reduced.append((motions, matrices))
             groups.append(group)
     A = linalg.block_diag(*(a for _, (a, _, _) in reduced))
@@ -250,7 +253,7 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     column = damping[:, rows, columns]
     band = bandwidth(omega, column)
     step = time_step or np.pi / (4 * band)
-    resolved = np.pi / np.diff(np.append(0.0, omega))[np.append(0.0, omega[:-1]) < band].max()
+    resolved = np.pi / _spacing(omega, column, band)
     samples = int(duration / step) + 1 if duration else min(SAMPLES, int(resolved / step) + 1)
     if samples < _FEWEST_SAMPLES:
         raise HydrodynamicDataError(
@@ -267,8 +270,49 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     return time, kernel
 
 
-def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
-    """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit."""
+def _spacing(omega: Floats, damping: Floats, band: float) -> float:
+    """Spacing of the frequencies that says how long the kernel is known, up to pi over it.
+
+    The mean over the squares of the damping (n, m) where it is smooth between its frequencies, so that a few wide steps
+    where little is left of it do not shorten the kernel; else the widest step in the band.
+    """
+    steps, weight = np.diff(np.append(0.0, omega)), (damping**2 / (damping**2).max(axis=0)).sum(axis=1)
+    widest = float(steps[np.append(0.0, omega[:-1]) < band].max())
+    mean = float(np.average(steps, weights=weight))
+    return mean if mean < _EVEN * widest and is_smooth(omega, damping) else widest
+
+
+def is_smooth(omega: Floats, damping: Floats) -> bool:
+    """Whether a spline without a frequency meets the damping (n, m) there, by the median over the entries."""
+    scaled = damping / np.abs(damping).max(axis=0)
+    missed = [
+        np.median(np.abs(spline_between(np.delete(omega, k), np.delete(scaled, k, axis=0))(omega[k]) - scaled[k]))
+        for k in range(len(omega) - 1)
+    ]
+    return bool(max(missed) < _SMOOTH)
+
+
+def identify_group(
+    time: Floats, K: Floats, orders: Iterable[int], passive: bool, motions: NDArray[np.intp]
+) -> tuple[Floats, Floats, Floats, GroupFit]:
+    """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit.
+
+    By the first order that leaves less than a tenth of the kernel, or by the one that leaves least: passivity may leave
+    more with more states.
+    """
+    found, least = None, np.inf
+    for order in orders:
+        A, B, C, group = _identified(time, K, order, passive, motions)
+        left = float(linalg.norm(model_kernel(A, B, C, time) - K) / linalg.norm(K))
+        if found is None or left < least:
+            found, least = (A, B, C, group), left
+        if not passive or least < _LEFT:
+            break
+    assert found is not None
+    return found
+
+
+def _identified(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
     step, p = time[1] - time[0], K.shape[1]
     hankel, Ad, B, C = realisation(K, RAW_STATES * p)
     A, B, C = continuous(Ad, B, C, step)

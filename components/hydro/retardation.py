@@ -40,7 +40,7 @@ def retardation_kernel(omega: ArrayLike, damping: ArrayLike, time: ArrayLike, *,
     """
     omega, damping, time = (np.asarray(item, dtype=float) for item in (omega, damping, time))
     flat = damping.reshape(omega.size, -1)
-    kernel = _transform(_damping_spline(omega, flat), np.append(0.0, omega), time, np.cos)
+    kernel = _transform(spline_between(omega, flat), np.append(0.0, omega), time, np.cos)
     if tail:
         kernel += np.outer(omega[-1] * _cubic_tail(omega[-1] * time), flat[-1])
     return (2 / np.pi * kernel).reshape(time.shape + damping.shape[1:])
@@ -65,7 +65,8 @@ def bandwidth(omega: Floats, damping: Floats, share: float = 0.99) -> float:
     return float(omega[np.argmax(total >= share * total[-1], axis=0).max()])
 
 
-def _damping_spline(omega: Floats, damping: Floats) -> CubicSpline:
+def spline_between(omega: Floats, damping: Floats) -> CubicSpline:
+    """The damping (n, m) between its frequencies; zero with no slope at zero."""
     from scipy.interpolate import CubicSpline
 
     zero = np.zeros((1, damping.shape[1]))
