@@ -32,7 +32,8 @@ from fowtlib.language.shapes import Drawing
 
 BEHIND = (
     "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the turbine into "
-    "the wind, or take a rotor of blade elements."
+    "the wind, or take a rotor of blade elements. Or its floater has turned over: `fowt sheet` shows what "
+    "holds it upright."
 )
 ACROSS = (
     "the wind blows across the rotor: {along} m/s of it go along the shaft, too little for the tip speed ratio of "

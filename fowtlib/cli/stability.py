@@ -154,7 +154,7 @@ def show_modes(arguments: argparse.Namespace) -> int:
     tables.say(arguments, conditions)
     tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
     if every and not modes:
-        tables.say(arguments, f"Nothing oscillates; --all has {len(every)} that decay without it, or stay.")
+        tables.say(arguments, f"Nothing oscillates; --all has {len(every)} that do not.")
     for mode in modes:
         pole = mode.eigenvalue
         if pole.real > GROWS * abs(pole):

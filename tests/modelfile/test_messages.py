@@ -244,8 +244,8 @@ CASES = {
         "model.yaml:5: output 'v': 'body.mass' is a parameter, and results are variables; `fowt parameters` has it.",
     ),
     "output_of_a_parameter_of_the_file": (
-        "parameters: {h: 3}\nworld: {class: World}\nbody: {class: PointMass, mass: h}\noutputs:\n  v: h\n",
-        "model.yaml:6: output 'v': 'h' is a parameter, and results are variables; `fowt parameters` has it.",
+        "parameters: {heavy: 3}\nworld: {class: World}\nbody: {class: PointMass, mass: heavy}\noutputs:\n  v: heavy\n",
+        "model.yaml:6: output 'v': 'heavy' is a parameter, and results are variables; `fowt parameters` has it.",
     ),
     "output_of_a_part": (
         "world: {class: World}\noutputs:\n  v: world\n",
