@@ -165,7 +165,7 @@ def _of_text(text: Any) -> Quantity:
 
 def label(item: Quantity) -> str:
     """What a quantity is called: its word and its result."""
-    of = f"{item.of:g} Hz" if isinstance(item.of, float) else item.of
+    of = f"{item.of:g} Hz" if isinstance(item.of, int | float) else item.of
     process = getattr(item, "process", None)
     return f"{item.word} {of}" + (f" by {process}" if process else "")
 

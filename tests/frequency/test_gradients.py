@@ -347,7 +347,7 @@ def test_the_frequency_of_a_cantilever_by_the_sizes_of_its_tube():
 
 @pytest.mark.parametrize("wrong", [9, 30.0, 0.01])
 def test_a_mode_that_is_named_by_a_frequency_far_from_all_modes_is_refused(wrong):
-    with pytest.raises(ModelError, match=f"frequency {wrong:g}: no mode is near {wrong:g} Hz, the nearest has"):
+    with pytest.raises(ModelError, match=f"frequency {wrong:g} Hz: no mode is near {wrong:g} Hz, the nearest has"):
         fw.gradient(model({"a": "one.angle"}, one=Pendulum()), ModeFrequency(wrong), ["one.length"])
 
 
