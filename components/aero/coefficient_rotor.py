@@ -38,7 +38,7 @@ BEHIND = (
 ACROSS = (
     "the wind blows across the rotor: {along} m/s of it go along the shaft, too little for the tip speed ratio of "
     "{ratio}, which no table covers; turn the turbine or the wind, so that it comes from the front, or take a rotor of "
-    "blade elements."
+    "blade elements. Or its floater has turned over: `fowt sheet` shows what holds it upright."
 )
 
 
