@@ -38,7 +38,8 @@ BEHIND = (
 ACROSS = (
     "the wind blows across the rotor: {along} m/s of it go along the shaft, too little for the tip speed ratio of "
     "{ratio}, which no table covers; turn the turbine or the wind, so that it comes from the front, or take a rotor of "
-    "blade elements. Where its floater has turned, in yaw or over, look at what holds it: `fowt sheet` shows its stiffness."
+    "blade elements. Where its floater has turned, in yaw or over, look at what holds it: `fowt sheet` shows its "
+    "stiffness."
 )
 
 
