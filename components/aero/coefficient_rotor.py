@@ -32,12 +32,14 @@ from fowtlib.language.shapes import Drawing
 
 BEHIND = (
     "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the turbine into "
-    "the wind, or take a rotor of blade elements."
+    "the wind, or take a rotor of blade elements. Where its floater has turned, in yaw or over, look at what holds it: "
+    "`fowt sheet` shows its stiffness."
 )
 ACROSS = (
     "the wind blows across the rotor: {along} m/s of it go along the shaft, too little for the tip speed ratio of "
     "{ratio}, which no table covers; turn the turbine or the wind, so that it comes from the front, or take a rotor of "
-    "blade elements."
+    "blade elements. Where its floater has turned, in yaw or over, look at what holds it: `fowt sheet` shows its "
+    "stiffness."
 )
 
 

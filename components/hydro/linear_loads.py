@@ -135,7 +135,7 @@ class Hydrostatics(PlatformLoad):
 
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
-    stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
+    stiffness: Array = param(shape=(6, 6), form="symmetric", doc="C_w, without buoyancy moments, SI")
     reference_density: Number = param(default=1025.0, unit="kg/m^3", min=POSITIVE, doc="water density rho_0 of C_w")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
@@ -207,7 +207,7 @@ class AddedMass(PlatformLoad):
 
     units_within = {"matrix": six_by_six("kg")}
 
-    matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
+    matrix: Array = param(shape=(6, 6), form="symmetric", doc="added mass at infinite frequency, SI")
     reference_density: Number = param(
         default=1025.0, unit="kg/m^3", min=POSITIVE, doc="water density rho_0 of the matrix"
     )

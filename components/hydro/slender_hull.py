@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from fowtlib.components.environment.current import Current, with_current
@@ -9,12 +11,13 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart
-from fowtlib.components.hydro.linear_loads import PlatformLoad
+from fowtlib.components.hydro.linear_loads import LARGEST_TILT, PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
-from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, outer, param, var
+from fowtlib.language import Array, Component, Scalar, Vector, assert_, at_start, eq, outer, param, var
 from fowtlib.language import math as m
 from fowtlib.language.expressions import value_of
 
+_ANOTHER = 0.1  # of the diameter at the water level: by so much another section differs
 _HEAD, _PER_STRIP = 6, 3  # numbers of a part, and of each of its strips; see HullPart
 
 
@@ -44,7 +47,9 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
 
     Good for hulls many diameters deep, whose diameter changes slowly (cones of 10 deg or so), in waves of any length
     against the diameter; not for pontoons, plates or steps, nor for waves that move the water level by much of the
-    draft. The moment of the vertical pressure within a section is left out (below 0.3 % of the pitch moment of a spar).
+    draft; where a section 10 % wider or narrower than that at rest comes to the water level, or the hull leans by more
+    than 45 deg, a run warns. The moment of the vertical pressure within a section is left out (below 0.3 % of the pitch
+    moment of a spar).
     Source: 2.4 and 3.2 in O.M. Faltinsen, Sea Loads on Ships and Offshore Structures (1990); MacCamy and Fuchs (1954).
     """
 
@@ -79,7 +84,7 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
             force, moment = force + push, moment + turn
         return [
             [eq(self.force, force + self.extra_force), eq(self.moment, moment + self.extra_moment)],
-            self.push(m.vertcat(self.force, self.moment)),
+            [*self.push(m.vertcat(self.force, self.moment)), *_near_rest(self)],
         ]
 
     def _buoyancy(self, numbers, up):
@@ -120,6 +125,32 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         names = {"low": "low", "high": "high", "added": "added_mass_coefficient", "end_added": "end_added_mass"}
         values |= {name: float(self.parameter_value(given)) for name, given in names.items()}
         return HullPart(**values, count=self.strips, keel=self.keel, waterline=self.waterline)
+
+
+def _near_rest(part: SlenderHullLoads) -> list[Any]:
+    """Warnings where the part that is wet at rest is not the one that is wet."""
+    if not part.waterline:
+        return []
+    rise = part.frame.r[2] - part.position[2]
+    reach = at_start("reach", 2, "m", "how far the hull may rise and sink with the same section in the water", _reach)
+    lies = "the hull leans by more than 45 deg, where loads of the part that is wet upright mean nothing"
+    floats = (
+        "the hull has risen by {rise} m (below zero: sunk), so that the section at the water level is another one than "
+        "at rest, and loads are those of what is wet there; look at its weight and buoyancy, or take a Floater"
+    )
+    return [
+        assert_(part.frame.R[2, 2] > np.cos(LARGEST_TILT), lies, level="warning"),
+        assert_((rise - reach[0]) * (rise + reach[1]) <= 0, floats, level="warning", rise=rise),
+    ]
+
+
+def _reach(part: SlenderHullLoads) -> Floats:
+    """How far the hull may rise and sink [m] until the water level comes to another diameter, or to an end."""
+    heights, diameters = (np.ravel(part.parameter_value(name)) for name in ("heights", "diameters"))
+    own = np.interp(0.0, heights, diameters)
+    ways = (np.linspace(0, end, 1001) for end in (min(heights[0], 0.0), max(heights[-1], 0.0)))
+    other = ((way, np.abs(np.interp(way, heights, diameters) - own) > _ANOTHER * own) for way in ways)
+    return np.array([abs(way[np.argmax(off)] if off.any() else way[-1]) for way, off in other])
 
 
 def _station(part: SlenderHullLoads, k: int) -> float:

@@ -38,7 +38,8 @@ class BeamSegment(RigidBody):
     """
 
     inertia: Matrix = param(
-        unit="kg*m^2", structural="a number of a table", doc="inertia tensor about the centre of mass, in frame_a"
+        unit="kg*m^2", structural="a number of a table", form="inertia",
+        doc="inertia tensor about the centre of mass, in frame_a",
     )
     r_cm: Vector = param(
         default=(0, 0, 0), unit="m", structural="a number of a table", doc="centre of mass, resolved in frame_a"

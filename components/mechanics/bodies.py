@@ -112,7 +112,9 @@ class RigidBody(Component):
     """
 
     mass: Scalar = param(unit="kg", min=0, doc="mass")
-    inertia: Matrix = param(unit="kg*m^2", doc="inertia tensor about the centre of mass, resolved in frame_a")
+    inertia: Matrix = param(
+        unit="kg*m^2", form="inertia", doc="inertia tensor about the centre of mass, resolved in frame_a"
+    )
     r_cm: Vector = param(default=(0, 0, 0), unit="m", doc="centre of mass, from frame_a, resolved in frame_a")
 
     world: World = outer(World)

@@ -26,6 +26,7 @@ from fowtlib.language import (
     Vector,
     eq,
     initial,
+    like,
     param,
     part,
     port,
@@ -49,8 +50,8 @@ class Nacelle(RotorSide):
 
     mass: Scalar = param(default=0.0, unit="kg", min=0, doc="mass, without hub and blades")
     centre_of_mass: Vector = param(default=(0, 0, 0), unit="m", doc="from the tower top, resolved in the nacelle")
-    inertia: Matrix = param(
-        default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), unit="kg*m^2", doc="inertia tensor about the centre of mass"
+    inertia: Matrix = like(
+        RigidBody.inertia, default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), doc="inertia tensor about the centre of mass"
     )
     shaft_height: Scalar = param(default=0.0, unit="m", doc="height of the shaft above the tower top, on the yaw axis")
     tilt: Scalar = param(default=0.0, unit="rad", doc="tilt of the shaft, hub up")

@@ -17,8 +17,8 @@ class ThrustTurbine(RotorSide):
     """
 
     mass: Scalar = param(unit="kg", min=0, doc="mass of rotor and nacelle")
-    inertia: Matrix = param(
-        default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), unit="kg*m^2", doc="inertia tensor about the centre of mass"
+    inertia: Matrix = like(
+        RigidBody.inertia, default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), doc="inertia tensor about the centre of mass"
     )
     centre_of_mass: Vector = param(default=(0, 0, 0), unit="m", doc="from the hub, resolved in the frame")
     air_loads: Scalar = like(ThrustRotor.air_loads)

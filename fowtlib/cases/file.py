@@ -55,7 +55,7 @@ def read_cases(
     given = Path(path)
     require_file(given, ModelFileError)
     if text is None and not files.is_file(given):
-        raise ModelFileError(f"there is no file '{path}'.")
+        raise files.no_file(path)
     return _File(given, text, distributions or {}, open_distribution, allow).cases()
 
 

@@ -79,7 +79,7 @@ def read_site(source: str | os.PathLike[str]) -> Site:
     path = Path(source)
     require_file(path, ModelFileError)
     if not files.is_file(path):
-        raise ModelFileError(f"there is no file '{source}'.")
+        raise files.no_file(source)
     name = files.shown(path)
     top = parse(read_text(path, name), name, FIRST_LINE)
     items = mapping(top, f"{FIRST_LINE}, and is a mapping")

@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 import math
 import warnings
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import numbers, positive
 from fowtlib.language.errors import ModelError
 
+if TYPE_CHECKING:
+    from fowtlib.solving import Mode
+
+RUNS_AWAY = 1e-4  # 1/s; what grows slower is a double root at zero, or its rounding
 GROWS = 1e-6  # of the size of a pole: its real part, above which a mode grows
 
 EQUILIBRIUM = r"""In still water, and in the wind of --wind or of the model, at its mean speed.
@@ -144,11 +148,13 @@ def show_modes(arguments: argparse.Namespace) -> int:
         raise error.at("--inputs") from None
     state = mean_state(plant)
     warn_unless_upright(plant, state)
-    modes = natural_modes(plant, state)
-    modes = [mode for mode in modes if arguments.all or (mode.motion and mode.oscillates)]
+    every = natural_modes(plant, state)
+    modes = every if arguments.all else _chosen(every)
     rows = [(mode.number, mode.name, mode.frequency, mode.period, mode.damping_ratio) for mode in modes]
     tables.say(arguments, conditions)
     tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
+    if every and not modes:
+        tables.say(arguments, f"Nothing oscillates; --all has {len(every)} that do not.")
     for mode in modes:
         pole = mode.eigenvalue
         if pole.real > GROWS * abs(pole):
@@ -163,6 +169,15 @@ def show_modes(arguments: argparse.Namespace) -> int:
     if arguments.linear:
         say_saved(mean_linear_model(plant, state, inputs).save(arguments.linear))
     return 0
+
+
+def _chosen(every: Sequence[Mode]) -> list[Mode]:
+    """Oscillations of bodies, else of what there is, as water in pipes; and all that runs away."""
+    bodies = any(mode.motion and mode.oscillates for mode in every)
+    return [
+        mode for mode in every
+        if (mode.oscillates and (mode.motion or not bodies)) or mode.eigenvalue.real > RUNS_AWAY
+    ]  # fmt: skip
 
 
 def show_campbell(arguments: argparse.Namespace) -> int:

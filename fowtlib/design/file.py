@@ -70,7 +70,7 @@ def find_design(source: str | os.PathLike[str]) -> Path:
         return shipped[str(source)]
     if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
         here = [item.name for item in sorted(path.parent.glob("*.y*ml"))] if path.parent.is_dir() else []
-        raise ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, here)}")
+        raise files.no_file(source, here)
     raise ModelFileError(f"there is no design '{source}', nor a file of that name{did_you_mean(str(source), shipped)}")
 
 

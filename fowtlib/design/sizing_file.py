@@ -10,7 +10,7 @@ from typing import Any
 
 from fowtlib.design.sizing import Sized, size
 from fowtlib.language.data_files import require_file
-from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.language.errors import ModelError, ModelFileError
 from fowtlib.modelfile import files, load
 from fowtlib.modelfile.nodes import Node, parse, read_text
 from fowtlib.modelfile.permit import permit_for
@@ -59,7 +59,7 @@ def read_sizing(source: str | os.PathLike[str], *, load_model: Loader | None = N
     path = Path(source)
     if not files.is_file(path):
         here = [item.name for item in sorted(path.parent.glob("*.y*ml"))] if path.parent.is_dir() else []
-        raise ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, here)}")
+        raise files.no_file(source, here)
     require_file(path, ModelFileError)
     name = files.shown(path)
     top = parse(read_text(path, name), name, FIRST_LINE)

@@ -207,7 +207,7 @@ def _quantities(dae: FlatDAE) -> dict[str, tuple[Quantity, ...]]:
 
 
 def _parameter(item: Parameter, put: _Columns) -> list[Any]:
-    return [item.path, put(item.symbol), _numbers(item.value), item.unit, item.doc, item.min, item.max]
+    return [item.path, put(item.symbol), _numbers(item.value), item.unit, item.doc, item.min, item.max, item.form]
 
 
 def _parameters(items: Sequence[Any], get: _Made, values: Mapping[str, Any]) -> dict[str, Parameter]:

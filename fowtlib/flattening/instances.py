@@ -20,6 +20,7 @@ from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, Withheld, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
+from fowtlib.language.matrix_forms import wrong_form
 from fowtlib.language.offered import Happening
 from fowtlib.language.operators import LinearOperator
 from fowtlib.language.placing import placed
@@ -123,7 +124,7 @@ class Instances:
         symbol = ca.SX.sym(path, *two_dimensions(shape))
         value = np.broadcast_to(np.asarray(component.parameter_value(declared.name), dtype=float), shape)
         self.system.parameters[path] = Parameter(
-            path, symbol, value, declared.unit, declared.doc, declared.min, declared.max
+            path, symbol, value, declared.unit, declared.doc, declared.min, declared.max, declared.form
         )
         return symbol
 
@@ -132,7 +133,7 @@ class Instances:
         path = join(component.path, declared.name)
         value = np.asarray(component.parameter_value(declared.name), dtype=float)
         self.system.dependents[path] = Parameter(
-            path, expression, value, declared.unit, declared.doc, declared.min, declared.max
+            path, expression, value, declared.unit, declared.doc, declared.min, declared.max, declared.form
         )
 
     def _evaluate(self, value: Any) -> Any:
@@ -338,6 +339,8 @@ def _check_bounds(where: str, declared: Any, value: Any) -> None:
     if found:
         worst, said = found
         raise ParameterError(f"{where} = {bounds.shown(worst, declared.unit)} is {said} ({declared.doc}).")
+    if declared.form and (wrong := wrong_form(declared.form, numbers)):
+        raise ParameterError(f"{where}: {wrong} ({declared.doc}).")
 
 
 def _parameters_in(value: Any) -> Iterable[declarations.Parameter]:

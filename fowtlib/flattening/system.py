@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
+from fowtlib.language.matrix_forms import Form
 from fowtlib.language.quadratic_laws import QuadraticLaw
 from fowtlib.language.stages import Stage
 from fowtlib.language.to_come import ToCome
@@ -105,6 +106,7 @@ class Parameter:
     doc: str
     min: float | None
     max: float | None
+    form: Form | None = None
 
 
 @dataclass(frozen=True)

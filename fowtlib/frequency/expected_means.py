@@ -24,6 +24,9 @@ NOWHERE = (
     "values, or no mean balances them. Take linearisation='tangent', or runs."
 )
 
+LOOSE = 1e-11  # singular value over the largest one, from which a direction is held by no row
+LEFT = 1e-8  # of the right-hand sides, that a solution may leave
+
 Off = tuple[np.ndarray, np.ndarray, np.ndarray]
 """By how much slopes of the first rows are others than those at a point, by states, unknowns and signals."""
 
@@ -71,10 +74,7 @@ class RestingRows:
         slopes = np.hstack([found.by_x[:, self.moving], found.by_z])[rows]
         if not np.all(np.isfinite(slopes)) or not np.all(np.isfinite(found.values)):
             raise SimulationError(NOWHERE)
-        try:
-            step = -np.linalg.solve(slopes, found.values[rows])
-        except np.linalg.LinAlgError:
-            raise SimulationError(NOWHERE) from None
+        step = -_solved(slopes, found.values[rows])
         moved = step[: len(self.moving)] + (found.mean - state.x)[self.moving]
         self.step = _over(moved, states_of(law, n)[self.moving], state.x[self.moving])
         x = found.mean.copy()
@@ -152,6 +152,26 @@ def states_of(law: Gaussian, count: int) -> np.ndarray:
     found = np.zeros(count)
     found[list(law.states)] = deviations_of(law.covariance)[: len(law.states)]
     return found
+
+
+def _solved(slopes: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The solution; of rows that do not hold all unknowns, as those of a rotor without wind do not, the shortest one.
+
+    It is that of rows and columns of the size of one. SimulationError where there is none.
+    """
+    try:
+        return np.linalg.solve(slopes, values)
+    except np.linalg.LinAlgError:
+        pass
+    by_row = 1 / np.maximum(np.abs(slopes).max(axis=1), 1e-300)
+    by_row[by_row > 1e299] = 1.0
+    level = slopes * by_row[:, None]
+    by_column = 1 / np.where(level.any(axis=0), np.abs(level).max(axis=0), 1.0)
+    wanted = values * by_row
+    found = np.linalg.lstsq(level * by_column, wanted, rcond=LOOSE)[0]
+    if np.linalg.norm(level @ (by_column * found) - wanted) > LEFT * max(float(np.linalg.norm(wanted)), LEFT):
+        raise SimulationError(NOWHERE)
+    return by_column * found
 
 
 def _over(step: np.ndarray, deviations: np.ndarray, at: np.ndarray) -> float:

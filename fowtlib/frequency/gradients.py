@@ -52,6 +52,7 @@ Plant = Any
 Values = Mapping[str, Any]
 
 NEAR = 1e-4  # change of the gains of drag from which on Newton's iteration goes to their rounding
+NEAREST = 2.0  # factor within which a mode that is named by its frequency must be
 PLACES = 10.0  # m; a thousandth of it is the step by which a place in a field is moved
 
 
@@ -358,8 +359,7 @@ class _Evaluation:
         if not upper.any():
             raise ModelError(f"{label(item)}: no mode of the model oscillates.")
         if isinstance(item.of, int | float):
-            chosen = np.flatnonzero(upper)
-            return roots[chosen[np.argmin(np.abs(np.abs(roots[chosen]) / (2 * np.pi) - item.of))]]
+            return _nearest(roots[upper], item.of, label(item))
         path, states = self.plant.outputs.entry(item.of).path, self.model.linear.states
         if path not in states:
             row = self._state_behind(path)
@@ -509,6 +509,16 @@ class Share:
     def weighted(self, root: Component) -> np.ndarray:
         """The slopes times the numbers of another tree: scalars that change with them as the results do."""
         return (self.bars @ np.ravel(self.compute(root))).real
+
+
+def _nearest(roots: np.ndarray, frequency: float, what: str) -> complex:
+    """The pole nearest to an undamped frequency [Hz]. ModelError where none is within a factor of NEAREST."""
+    known = np.abs(roots) / (2 * np.pi)
+    k = int(np.argmin(np.abs(known - frequency)))
+    if not known[k] / NEAREST < frequency < known[k] * NEAREST:
+        raise ModelError(f"{what}: no mode is near {frequency:g} Hz, the nearest has {known[k]:.4g} Hz; a mode is "
+                         "named by its frequency [Hz], or by the state that takes part most.")  # fmt: skip
+    return complex(roots[k])
 
 
 def _with_position(excited: ExcitedModel, number: int, k: int, row: int, value: float) -> ExcitedModel:

@@ -35,8 +35,8 @@ class Mean:
 class ModeFrequency:
     """Undamped natural frequency [Hz] of the mode in which a state takes part most, of those that oscillate.
 
-    of: the state by its path, or a result that is one; or a frequency [Hz], for the mode nearest to it. together: of
-    modes that are one, the mean.
+    of: the state by its path, or a result that is one; or a frequency [Hz], for the mode nearest to it, within a
+    factor of two. together: of modes that are one, the mean.
     """
 
     of: str | float
@@ -165,7 +165,7 @@ def _of_text(text: Any) -> Quantity:
 
 def label(item: Quantity) -> str:
     """What a quantity is called: its word and its result."""
-    of = f"{item.of:g} Hz" if isinstance(item.of, float) else item.of
+    of = f"{item.of:g} Hz" if isinstance(item.of, int | float) else item.of
     process = getattr(item, "process", None)
     return f"{item.word} {of}" + (f" by {process}" if process else "")
 

@@ -1,7 +1,8 @@
 """The folder of what is made once and kept: compiled libraries, texts, numbers.
 
 It belongs to the user alone, because what lies in it is run: no other user may own it or write to it, and whatever is
-taken from it is checked against a digest first. What was used last stays longest when its size passes the limit.
+taken from it is checked against a digest first. What was used last stays longest when its size passes the limit. Where
+it cannot be written to, a temporary folder stands in for it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.stand_in import Refused, is_unwritable, make_stand_in, stand_in
 from fowtlib.language.whole_files import sync_folder
 
 LIMIT = 500.0  # MB, where FOWTLIB_CACHE_LIMIT says nothing else
@@ -50,13 +52,19 @@ class Entry:
 
 
 def cache_folder() -> Path:
-    """Where things are kept: FOWTLIB_CACHE, else fowtlib/native in the user's cache folder; always absolute.
+    """Where things are kept: `named_folder`, or what stands in for it in this process. Raises as that one."""
+    folder = named_folder()
+    return stand_in(folder) or folder
+
+
+def named_folder() -> Path:
+    """FOWTLIB_CACHE, else fowtlib/native in the user's cache folder; always absolute.
 
     Raises PermissionError for a relative FOWTLIB_CACHE: what is run must not depend on the working folder.
     """
     if own := os.environ.get("FOWTLIB_CACHE"):
         if not os.path.isabs(own):
-            raise PermissionError(errno.EPERM, "FOWTLIB_CACHE is not an absolute path", own)
+            raise Refused(errno.EPERM, "FOWTLIB_CACHE is not an absolute path", own)
         return Path(own)
     if sys.platform == "win32":
         given = os.environ.get("LOCALAPPDATA", "")
@@ -78,16 +86,30 @@ def user_home() -> Path:
     except (RuntimeError, KeyError, ImportError):
         home = Path()
     if not home.is_absolute():
-        raise PermissionError(errno.EPERM, "HOME is not an absolute path", str(home))
+        raise Refused(errno.EPERM, "HOME is not an absolute path", str(home))
     return home
 
 
 def private_folder() -> Path:
     """The cache folder, made if need be, of which it is certain that only this user can write to it.
 
-    Raises OSError where that cannot be had.
+    Where it cannot be written to that is a temporary one. Raises OSError where neither can be had.
     """
-    folder = cache_folder()
+    folder = named_folder()
+    if instead := stand_in(folder):
+        return _private(instead)
+    try:
+        found = _private(folder)
+        if not os.access(found, os.W_OK):
+            raise PermissionError(errno.EACCES, "no permission", str(folder))
+    except OSError as error:
+        if not is_unwritable(error):
+            raise
+        return _private(make_stand_in(folder, error))
+    return found
+
+
+def _private(folder: Path) -> Path:
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir(mode=0o700, exist_ok=True)
     if sys.platform == "win32":
@@ -95,7 +117,7 @@ def private_folder() -> Path:
     _check_above(folder)
     state = folder.stat()
     if state.st_uid != os.getuid():
-        raise PermissionError(errno.EPERM, "it belongs to another user", str(folder))
+        raise Refused(errno.EPERM, "it belongs to another user", str(folder))
     if state.st_mode & _OTHERS:
         _close(folder, state.st_mode)
     return folder
@@ -106,7 +128,7 @@ def _check_above(folder: Path) -> None:
     for above in folder.resolve().parents:
         state = above.stat()
         if state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX:
-            raise PermissionError(errno.EPERM, f"everybody can write to {above}, which it lies in", str(folder))
+            raise Refused(errno.EPERM, f"everybody can write to {above}, which it lies in", str(folder))
 
 
 def _close(folder: Path, mode: int) -> None:
@@ -115,10 +137,10 @@ def _close(folder: Path, mode: int) -> None:
     if strange and os.environ.get("FOWTLIB_CACHE"):
         rights = f"others have rights to it (mode {stat.S_IMODE(mode):o})"
         why = f"{rights}, and it holds files of another kind, such as '{strange[0]}'"
-        raise PermissionError(errno.EPERM, why, str(folder))
+        raise Refused(errno.EPERM, why, str(folder))
     folder.chmod(0o700)
     if folder.stat().st_mode & _OTHERS:
-        raise PermissionError(errno.EPERM, "others have rights to it that cannot be taken away", str(folder))
+        raise Refused(errno.EPERM, "others have rights to it that cannot be taken away", str(folder))
     if mode & _OTHERS_WRITE:
         found = entries(folder)
         for entry in found:
@@ -132,6 +154,8 @@ def _close(folder: Path, mode: int) -> None:
 def find(name: str, suffix: str) -> Path | None:
     """The file kept under this name; one that is damaged or not the user's is deleted, which is said."""
     folder = private_folder()
+    if folder != named_folder() and (path := _find_beneath(name, suffix)):
+        return path
     for path in sorted(folder.glob(f"{name}_*.{suffix}")):
         if not _OURS.fullmatch(path.name):
             continue
@@ -142,6 +166,19 @@ def find(name: str, suffix: str) -> Path | None:
         _discard(path)
         if problem != "is gone":
             warnings.warn(f"{path}: this file {problem}; it is made again.", stacklevel=2)
+    return None
+
+
+def _find_beneath(name: str, suffix: str) -> Path | None:
+    """What a folder that cannot be written to holds, as that of a container's image: only what is the user's alone."""
+    folder = named_folder()
+    with suppress(OSError):
+        _check_above(folder)
+        state = folder.stat()
+        if state.st_uid == os.getuid() and not state.st_mode & _OTHERS_WRITE:
+            for path in sorted(folder.glob(f"{name}_*.{suffix}")):
+                if _OURS.fullmatch(path.name) and not _problem(path):
+                    return path
     return None
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_
 
 from fowtlib.language.errors import ParameterError, StructureError
 from fowtlib.language.expressions import Arithmetic, ParameterReference
+from fowtlib.language.matrix_forms import Form
 
 T = TypeVar("T")
 
@@ -90,7 +91,9 @@ class Parameter(Field, Arithmetic):
     def __init__(
         self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool | str,
         choices: Any, bound: bool = False, instead_of: tuple[str, ...] = (), native: bool = False,
+        form: Form | None = None,
     ):  # fmt: skip
+        self.form = form
         self.instead_of = instead_of
         self.default, self.unit, self.doc = default, unit, doc
         self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
@@ -348,7 +351,8 @@ class Outer(Field):
 
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
           shape: Any = None, structural: bool | str = False, choices: Any = None,
-          bound: bool = False, instead_of: tuple[str, ...] = (), native: bool = False) -> Any:  # fmt: skip
+          bound: bool = False, instead_of: tuple[str, ...] = (), native: bool = False,
+          form: Form | None = None) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
 
     `structural` may be a text that says why it is, in the words that complete "structural: ...". A `bound` one is read
@@ -358,13 +362,14 @@ def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any =
 
     instead_of: parameters that it makes void where it is given. Both in one place are an error; of two places, as of a
     model file and of what a run changes in it, the later one counts.
+    form: what a matrix must be; see matrix_forms.
 
     `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
     body, arithmetic on those, or a function of the component. Without a default the parameter is required.
     """
     if structural and bound:
         raise ValueError("a parameter is structural (it decides about parts and equations) or bound, not both")
-    return Parameter(default, unit, doc, min, max, shape, structural, choices, bound, instead_of, native)
+    return Parameter(default, unit, doc, min, max, shape, structural, choices, bound, instead_of, native, form)
 
 
 def like(declared: Any, *, default: Any = None, doc: str = "") -> Any:

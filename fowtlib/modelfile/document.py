@@ -114,6 +114,8 @@ def _settings(node: Node) -> dict[str, Any]:
             settings[key] = float(to_si(item.value, SETTINGS[key])) if SETTINGS[key] else text(items, key)
             if SETTINGS[key] and not math.isfinite(settings[key]):
                 raise item.place.error(f"simulation.{key} is {settings[key]:g}; a finite number is expected.")
+            if SETTINGS[key] and key != "rho_inf" and settings[key] <= 0:
+                raise item.place.error(f"simulation.{key} is {settings[key]:g}; a number above zero is expected.")
         except UnitError as error:
             raise item.place.error(f"simulation.{key}: {error}") from None
     if settings.get("start", "file") not in STARTS:

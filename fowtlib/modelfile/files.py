@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from fowtlib.language.data_files import require_file
@@ -23,6 +24,17 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # too long, or with a zero byte
         return False
+
+
+def no_file(source: str | os.PathLike[str], known: Sequence[str] = ()) -> ModelFileError:
+    """The error of a path that names no file, though a folder perhaps; known: names that may have been meant."""
+    path = Path(source)
+    try:
+        if path.is_dir():
+            return ModelFileError(f"'{source}' is a folder; a file is expected.")
+    except (OSError, ValueError):
+        pass
+    return ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, known)}")
 
 
 def models_folder() -> Path:
@@ -56,7 +68,7 @@ def find_model(source: str | os.PathLike[str]) -> Path:
     shipped = shipped_models()
     if path.suffix in (SUFFIX, ".yml") or len(path.parts) > 1:
         here = [item.name for item in sorted(path.parent.glob("*.y*ml"))] if path.parent.is_dir() else []
-        raise ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, here)}")
+        raise no_file(source, here)
     if str(source) not in shipped:
         here = [item.name for item in sorted(Path().glob(f"*{SUFFIX}"))]
         hint = did_you_mean(str(source), [f"{source}{SUFFIX}"] if f"{source}{SUFFIX}" in here else [*shipped, *here])

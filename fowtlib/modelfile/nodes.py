@@ -102,8 +102,10 @@ def read_text(path: Path, name: str) -> str:
                 "into data files.", where=name,
             )  # fmt: skip
         return content.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
-    except UnicodeDecodeError:
-        raise ModelFileError("the file is not text in UTF-8.", where=name) from None
+    except UnicodeDecodeError as error:
+        line = 1 + content.count(b"\n", 0, error.start)
+        where = name if content.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" in content else f"{name}:{line}"
+        raise ModelFileError("this is not text in UTF-8; save the file in this encoding.", where=where) from None
     except OSError as error:
         raise ModelFileError(f"the file cannot be read: {error.strerror or error}.", where=name) from None
 

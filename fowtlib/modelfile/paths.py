@@ -84,13 +84,15 @@ def check_variable(component: Component, path: str, place: Place, where: str) ->
         owner = owner.parts[rest.pop(0)]
     match = re.fullmatch(r"([^\W\d]\w*)((?:\[\s*\d+(?:\s*,\s*\d+)?\s*\])*)", rest[0])
     name = match[1] if match else rest[0]
-    fields = {**owner.variables, **owner.ports, **owner.parameters}
+    fields = {**owner.variables, **owner.ports}
     if match is None or name not in fields:
-        known = [*owner.variables, *owner.ports, *owner.parameters, *(owner.parts if len(rest) > 1 else ())]
+        known = [*owner.variables, *owner.ports, *(owner.parts if len(rest) > 1 else ())]
         title = owner.path or "the model"
         if name in owner.parts:
             names = [*owner.parts[name].variables, *owner.parts[name].ports]
             raise place.error(f"{where}: '{path}' is a part, not a variable{did_you_mean(name, names)}")
+        if name in owner.parameters:
+            raise place.error(f"{where}: '{path}' is a parameter, and results are variables; `fowt parameters` has it.")
         raise place.error(f"{where}: '{path}': {title} has no variable '{name}'{did_you_mean(name, known)}")
     field = fields[name]
     is_connector = name in owner.ports and not issubclass(field.annotation, Signal)

@@ -40,13 +40,16 @@ class Key:
 
         if self.unit == "#":
             if not text.isdecimal():
-                raise ParameterError(f"{where}: '{text}' is not a whole number.")
+                raise ParameterError(f"{where}: '{text}' is not a whole number{' from 0 on' * text.startswith('-')}.")
             return int(text)
         if self.unit == "deg":
             try:
-                return math.radians(float(text))
+                degrees = float(text)
             except ValueError:
                 return to_si(text, "rad", where)
+            if abs(degrees) > 360:  # said here, where it is not yet a number in rad that nobody wrote
+                raise ParameterError(f"{where}: {text} deg is more than a full turn; it is in degrees.")
+            return math.radians(degrees)
         return to_si(text, self.unit, where)
 
 

@@ -27,6 +27,7 @@ from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.expressions import parameters_read
+from fowtlib.language.matrix_forms import wrong_form
 from fowtlib.language.units import to_si
 from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.structure import structural_values
@@ -232,6 +233,8 @@ def tunable_value(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
     found = bounds.outside(numbers, item.min, item.max, item.unit)
     if found:
         raise ParameterError(f"{path} = {value} is {found[1]} ({item.doc}).")
+    if item.form and (wrong := wrong_form(item.form, fits)):
+        raise ParameterError(f"{path}: {wrong} ({item.doc}).")
     return fits
 
 

@@ -228,6 +228,23 @@ def test_a_motion_that_nothing_holds_is_no_mode(capsys, monkeypatch):
     assert printed(capsys, "eigen", "free") == []
 
 
+def test_where_nothing_oscillates_it_is_said(capsys, monkeypatch):
+    slow = fw.load("pendulum").with_parameters({"damper.damping": 100.0})
+    monkeypatch.setattr(fw, "load", lambda *_, **__: slow)
+    assert printed(capsys, "eigen", "slow") == []
+    assert main(["eigen", "slow"]) == 0
+    assert "Nothing oscillates; --all has 2 that do not." in capsys.readouterr().out
+
+
+def test_what_runs_away_is_a_mode_although_it_does_not_oscillate(capsys, monkeypatch):
+    standing = fw.load("pendulum").with_parameters({"rod.r": (0, 0, 1.0), "hinge.phi_start": 0.0})
+    monkeypatch.setattr(fw, "load", lambda *_, **__: standing)
+    assert main(["eigen", "standing", "--json"]) == 0
+    said = capsys.readouterr()
+    assert [row["motion"] for row in json.loads(said.out)] == ["pitch"]
+    assert "pitch, grows by a factor e in" in said.err
+
+
 def test_what_rounding_leaves_is_shown_as_zero():
     assert tables.rounded(-4.8e-17, 5.0) == 0.0
     assert tables.rounded(4.8e-11, 5.0) == 4.8e-11

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.cli.app import main
 from fowtlib.components.blocks import Constant, Ramp
 from fowtlib.components.environment import World
 from fowtlib.components.flooding import BoxTank, Doorway, Pipe, Pump, RoundTank, SeaOpening, Valve, Vent
@@ -265,3 +267,25 @@ def test_what_is_overfilled_drained_or_dry_is_said_in_a_sentence():
         Pump(rated_flow=1.0, rated_head=3.0)
     with pytest.raises(ModelError, match="rated_head is given and would do nothing, because its mode is flow"):
         Pump(rated_flow=1.0, rated_head=3.0, mode="flow")
+
+
+def test_modes_of_water_in_a_pipe_are_shown_where_no_body_moves(capsys, tmp_path):
+    """Two tanks and a pipe: omega^2 = g A / L (1 / A_1 + 1 / A_2), less the square of the decay by laminar friction."""
+    tanks = "class: BoxTank, width: 1 m, height: 5 m, walls_wet: true"
+    path = tmp_path / "pipe.yaml"
+    path.write_text(f"""fowtlib: 1
+world: {{class: World, gravity: 9.81}}
+parts:
+  left: {{{tanks}, length: 2 m, volume_start: 6}}
+  right: {{{tanks}, length: 1 m, volume_start: 3}}
+  pipe: {{class: Pipe, length: 10 m, diameter: 0.2 m, inertia: true}}
+connect:
+  - [world.frame, left.frame]
+  - [world.frame, right.frame]
+  - ["left.water[0]", pipe.water_a]
+  - [pipe.water_b, "right.water[0]"]
+""")
+    assert main(["eigen", str(path), "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    omega = np.sqrt(9.81 * np.pi / 4 * 0.2**2 / 10 * (1 / 2 + 1 / 1))
+    assert row["frequency [Hz]"] == pytest.approx(omega / (2 * np.pi), rel=1e-4)

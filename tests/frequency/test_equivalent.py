@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from scipy.special import erf
 
 import fowtlib as fw
+from fowtlib.frequency.expected_means import _solved
 from fowtlib.language import Component, Number, Scalar, der, eq, param, run_time_series, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ModelError, SimulationError
@@ -105,6 +106,49 @@ def test_what_grows_without_noise_has_the_deviation_that_its_damper_leaves_it():
     found = fw.response(model, linearisation="equivalent")
     s2 = brentq(lambda s2: s2 * (3 * 0.5 * s2 - 0.2) - np.pi * 2.0 / (2 * MASS), 0.1, 10.0)
     assert found.std("v") == pytest.approx(np.sqrt(s2), rel=0.02)  # 512 points, and frequencies up to 2 Hz
+
+
+class WithShafts(Duffing):
+    """The same, and speeds that nothing holds: of one shaft, and the common one of two; both are followed."""
+
+    air: Scalar = param(default=0.0, unit="1/s", doc="what holds the first shaft")
+
+    alone: Scalar = var(start=3.0, unit="m/s", doc="speed of a shaft")
+    first: Scalar = var(start=1.0, unit="m/s", doc="speed of one of two")
+    second: Scalar = var(start=5.0, unit="m/s", doc="speed of the other")
+    measured: Scalar = var(start=0.0, unit="m/s", doc="follows the first shaft within 0.1 s")
+
+    def equations(self):
+        slip = self.second - self.first
+        return [
+            *super().equations(), eq(der(self.alone), self.air * (self.v - self.alone)),
+            eq(der(self.first), slip), eq(der(self.second), -slip),
+            eq(der(self.measured), (self.alone + self.first - self.measured) / 0.1),
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("linearisation", "alike"), [
+    ("equivalent", 1e-3),
+    ("quadratic", 0.03),  # its 512 points lie elsewhere where there are more states, which the products feel
+])  # fmt: skip
+def test_speeds_that_nothing_holds_stay_as_those_of_a_rotor_without_wind(linearisation, alike):
+    found = []
+    for kind in (Duffing, WithShafts):
+        root = fw.Assembly("oscillators")
+        root.one = kind(level=2.0, hardening=6.0, push=15.0, damping=LINEAR)
+        outputs = {name: f"one.{name}" for name in ("x", "measured") if name == "x" or kind is WithShafts}
+        found.append(fw.response(fw.Model(root, outputs=outputs), linearisation=linearisation))
+    assert found[1].std("x") == pytest.approx(found[0].std("x"), rel=alike)
+    assert found[1].mean[0] == pytest.approx(found[0].mean[0], rel=alike)
+    assert found[1].mean[1] == pytest.approx(3.0 + (1.0 + 5.0) / 2, rel=1e-6)
+    assert found[1].std("measured") == pytest.approx(0.0, abs=1e-9)
+
+
+def test_of_rows_that_hold_no_direction_the_shortest_solution_is_taken_and_none_where_there_is_none():
+    slopes = np.diag([1e-9, 2e7, 0.0])
+    assert _solved(slopes, np.array([3e-9, 4e7, 0.0])) == pytest.approx([3.0, 2.0, 0.0])
+    with pytest.raises(SimulationError, match="mean of the equivalent linearisation is not found"):
+        _solved(slopes, np.array([0.0, 0.0, 1e-3]))
 
 
 def test_a_limit_in_a_loop_has_the_gain_of_booton():

@@ -345,6 +345,12 @@ def test_the_frequency_of_a_cantilever_by_the_sizes_of_its_tube():
     assert jacobian[0, 4] * 2.1e11 == pytest.approx(values[0] / 2, rel=2e-2)
 
 
+@pytest.mark.parametrize("wrong", [9, 30.0, 0.01])
+def test_a_mode_that_is_named_by_a_frequency_far_from_all_modes_is_refused(wrong):
+    with pytest.raises(ModelError, match=f"frequency {wrong:g} Hz: no mode is near {wrong:g} Hz, the nearest has"):
+        fw.gradient(model({"a": "one.angle"}, one=Pendulum()), ModeFrequency(wrong), ["one.length"])
+
+
 # --- poles that are one ---------------------------------------------------------------------------------------------
 
 

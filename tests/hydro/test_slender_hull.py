@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +19,7 @@ from fowtlib.components.hydro import (
     diffraction_coefficient,
 )
 from fowtlib.components.hydro.hull_part import hull_strips
-from fowtlib.components.mechanics import Fixed, FreeMotion
+from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody
 from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.language.errors import ModelError
 
@@ -164,3 +166,23 @@ def test_what_cannot_be_is_said(wrong, words):
     with pytest.raises(ModelError, match="hull") as error:
         fw.load(hull(Fixed(), **wrong)).compile().initial_state()
     assert words in str(error.value)
+
+
+@pytest.mark.parametrize(("start", "said"), [
+    ({"heave_start": 4.0}, None),  # the cone begins 4 m below the water level, and is 10 % wider 1.79 m further down
+    ({"heave_start": 6.0}, "hull: the hull has risen by 6 m"),
+    ({"heave_start": -9.9}, None),
+    ({"heave_start": -10.1}, r"hull: the hull has risen by -10.1 m \(below zero: sunk\)"),
+    ({"pitch_start": "44 deg"}, None),
+    ({"pitch_start": "46 deg"}, "hull: the hull leans by more than 45 deg"),
+])  # fmt: skip
+def test_a_hull_that_floats_otherwise_than_at_rest_is_told(start, said):
+    root = hull(FreeMotion(**start))
+    root.body = RigidBody(mass=8e6, r_cm=(0, 0, -78), inertia=4e9 * np.eye(3))
+    root.connect(root.joint.frame_b, root.body.frame_a)
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        fw.Model(root).compile().simulate(0.01, 0.01)
+    told = [str(item.message) for item in found if "hull:" in str(item.message)]
+    assert bool(told) == bool(said)
+    assert said is None or re.search(said, told[0])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
+import shutil
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 import warnings
 from pathlib import Path
@@ -14,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from fowtlib.language import cache_folder as store
+from fowtlib.language import stand_in
 from fowtlib.language.errors import CompilerError, ParameterError
 from fowtlib.language.native import compile_library, compiler, load_library, open_library
 
@@ -261,3 +265,71 @@ def test_clearing_leaves_the_files_of_others(own_cache):
     (own_cache / "notes.txt").write_text("mine")
     assert [entry.kind for entry in store.clear()] == ["thing"]
     assert [path.name for path in own_cache.iterdir()] == ["notes.txt"]
+
+
+# --- where it cannot be written to -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def read_only(own_cache, monkeypatch):
+    """The folder as the system shows a file system that is mounted read-only, to root, too."""
+    keep(KEY)
+    real = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != own_cache and real(path, mode))
+    monkeypatch.setenv(stand_in.VARIABLE, "")
+    yield own_cache
+    shutil.rmtree(store.cache_folder(), ignore_errors=True)
+
+
+@posix
+def test_a_temporary_folder_stands_in_for_one_that_cannot_be_written_to(read_only):
+    with pytest.warns(UserWarning, match=f"{read_only}: .* cannot be written to .* FOWTLIB_CACHE names another"):
+        path = keep("thing_" + 12 * "1")
+    assert path.parent == store.cache_folder() != read_only
+    assert mode(path.parent) == 0o700
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # it is said once
+        assert store.find("thing_" + 12 * "1", "json") == path
+        assert store.find(KEY, "json").parent == read_only  # what is there can be used
+        (read_only / store.find(KEY, "json").name).write_text("changed")
+        assert store.find(KEY, "json") is None
+
+
+@posix
+def test_processes_share_the_folder_that_stands_in_and_it_goes_with_the_first(tmp_path):
+    closed = tmp_path / "file" / "cache"
+    say = "from fowtlib.language import cache_folder as s; print(s.private_folder(), flush=True)"
+    code = (
+        "import errno, os, subprocess, sys\n"
+        "from fowtlib.language import cache_folder as s, stand_in\n"
+        f"stand_in.make_stand_in(s.named_folder(), OSError(errno.EROFS, 'Read-only file system', {str(closed)!r}))\n"
+        f"{say}\n"
+        f"subprocess.run([sys.executable, '-c', {say!r}], check=True)\n"
+        "assert os.path.isdir(s.cache_folder())\n"
+    )
+    environment = os.environ | {"FOWTLIB_CACHE": str(closed)}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    first, second = run.stdout.split()
+    assert first == second
+    assert not Path(first).exists()
+    assert run.stderr.count("cannot be written to (Read-only file system)") == 1
+
+
+@posix
+def test_what_is_not_safe_has_no_stand_in(own_cache, monkeypatch):
+    monkeypatch.setenv("FOWTLIB_CACHE", "here")
+    with pytest.raises(PermissionError, match="not an absolute path"):
+        store.private_folder()
+
+
+@posix
+@pytest.mark.parametrize("error", [errno.EROFS, errno.EACCES, errno.ENOSPC])
+def test_without_any_folder_the_error_is_that_of_the_first(own_cache, monkeypatch, error):
+    def refuse(*_, **__):
+        raise OSError(errno.ENOENT, "No usable temporary directory found")
+
+    monkeypatch.setattr(tempfile, "mkdtemp", refuse)
+    with pytest.raises(OSError, match="the first") as raised:
+        stand_in.make_stand_in(own_cache, OSError(error, "the first", str(own_cache)))
+    assert raised.value.errno == error
+    assert stand_in.stand_in(own_cache) is None

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fowtlib as fw
-from fowtlib.language.errors import ConnectionFault, ModelFileError
+from fowtlib.language.errors import ConnectionFault, ModelError, ModelFileError
 from fowtlib.modelfile import load
 
 # what stands below "fowtlib: 1" (a "!" in front: the whole file), and the message
@@ -227,6 +227,26 @@ CASES = {
         "world: {class: World}\noutputs:\n  v: world.frame.q\n",
         "model.yaml:4: output 'v': 'world.frame.q': Frame has no member 'q'; there are 'r', 'R', 'w', 'f' and 't'.",
     ),
+    "step_of_zero": (
+        "world: {class: World}\nsimulation: {step: 0 ms}\n",
+        "model.yaml:3: simulation.step is 0; a number above zero is expected.",
+    ),
+    "duration_below_zero": (
+        "world: {class: World}\nsimulation:\n  duration: -30 s\n",
+        "model.yaml:4: simulation.duration is -30; a number above zero is expected.",
+    ),
+    "no_tolerance": (
+        "world: {class: World}\nsimulation:\n  tolerance: 0\n",
+        "model.yaml:4: simulation.tolerance is 0; a number above zero is expected.",
+    ),
+    "output_of_a_parameter": (
+        "world: {class: World}\nbody: {class: PointMass, mass: 1}\noutputs:\n  v: body.mass\n",
+        "model.yaml:5: output 'v': 'body.mass' is a parameter, and results are variables; `fowt parameters` has it.",
+    ),
+    "output_of_a_parameter_of_the_file": (
+        "parameters: {heavy: 3}\nworld: {class: World}\nbody: {class: PointMass, mass: heavy}\noutputs:\n  v: heavy\n",
+        "model.yaml:6: output 'v': 'heavy' is a parameter, and results are variables; `fowt parameters` has it.",
+    ),
     "output_of_a_part": (
         "world: {class: World}\noutputs:\n  v: world\n",
         "model.yaml:4: output 'v': 'world' is a part, not a variable; there is 'frame'.",
@@ -386,6 +406,42 @@ def test_message_about_a_model_that_is_not_there(source, message, write):
     with pytest.raises(ModelFileError) as error:
         load(source)
     assert str(error.value).startswith(message)
+
+
+@pytest.mark.parametrize(("content", "message"), [
+    ("fowtlib: 1\ntitle: fünf\n".encode("latin-1"), "model.yaml:2: this is not text in UTF-8; save the file"),
+    ("fowtlib: 1\n".encode("utf-16"), "model.yaml: this is not text in UTF-8; save the file in this encoding."),
+    (b"\x00\x01\xff\xfe" * 9, "model.yaml: this is not text in UTF-8; save the file in this encoding."),
+])  # fmt: skip
+def test_a_file_in_another_encoding_is_named_with_its_line(content, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("model.yaml").write_bytes(content)
+    with pytest.raises(ModelFileError) as error:
+        load("model.yaml")
+    assert str(error.value).startswith(message)
+
+
+def test_a_folder_is_no_model(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("model.yaml").mkdir()
+    with pytest.raises(ModelFileError, match="^'model.yaml' is a folder; a file is expected."):
+        load("model.yaml")
+
+
+def test_a_part_that_another_one_makes_has_the_line_of_that_one(write):
+    path = write("""fowtlib: 1
+world: {class: World, water_depth: 100 m}
+parts:
+  motion: {class: FreeMotion}
+  body: {class: PointMass, mass: 1}
+  mooring: {class: MooringSystem, headings: [0], fairlead_radius: 5, fairlead_depth: 2, anchor_radius: 600,
+            anchor_depth: 200, length: 700, axial_stiffness: 1e8, mass_per_length: 100}
+connect:
+  - [world.frame, motion.frame_a]
+  - [motion.frame_b, body.frame_a, mooring.frame]
+""")
+    with pytest.raises(ModelError, match="model.yaml:6: mooring.line_1 has its anchor at z = -200 m, below"):
+        load(path).compile()
 
 
 def test_a_model_file_of_that_name_is_proposed(write, monkeypatch):

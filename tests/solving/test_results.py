@@ -216,6 +216,8 @@ def test_file_errors(tmp_path):
         ("1,\n", "TMP/r.csv:3: '' is not a number."),
         ("1,2\n2,high\n", "TMP/r.csv:4: 'high' is not a number."),
         ("1,2\n\n2,3,4\n", "TMP/r.csv:5: has 3 values, and the header names 2 columns."),
+        ("1,2\n\n0.5,3\n", "TMP/r.csv:5: the time 0.5 s comes after 1 s."),
+        ("nan,2\n2,3\n", "TMP/r.csv:3: the time is no number."),
     ):
         (tmp_path / "r.csv").write_text(head + rows)
         assert message(lambda: Result.open(tmp_path / "r.csv")) == wrong
@@ -223,6 +225,21 @@ def test_file_errors(tmp_path):
     assert message(lambda: Result.open(tmp_path / "r.csv")) == (
         "TMP/r.csv:1: the header must read 'time [s],surge [m],...': one name and unit per column."
     )
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_csv_that_went_through_a_spreadsheet_is_read(tmp_path, encoding):
+    path = tmp_path / "r.csv"
+    path.write_bytes("time [s],surge [m]\r\n0,1\r\n0.5,2\r\n0.5,3\r\n".encode(encoding))
+    read = Result.open(path)
+    np.testing.assert_array_equal(read.time, [0, 0.5, 0.5])  # an event: before and after it
+    np.testing.assert_array_equal(read["surge"], [1, 2, 3])
+
+
+def test_two_columns_of_one_name_are_refused(tmp_path):
+    (tmp_path / "r.csv").write_text("time [s],surge [m],surge [m]\n0,1,2\n")
+    with pytest.raises(ModelError, match=r"r.csv:1: there are two columns 'surge'\."):
+        Result.open(tmp_path / "r.csv")
 
 
 def test_a_resumed_run_is_joined(tmp_path):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, steepest_sea
 from fowtlib.language import Number, param
+from fowtlib.language.bounds import POSITIVE
 
 _realisation = lru_cache(maxsize=8)(irregular_waves)
 
@@ -22,14 +23,14 @@ class JonswapSea(Sea, kind="jonswap"):
     """
 
     significant_wave_height: Number = param(default=None, unit="m", min=0, bound=True, doc="JONSWAP: Hs")
-    peak_period: Number = param(default=None, unit="s", min=0, bound=True, doc="JONSWAP: Tp")
+    peak_period: Number = param(default=None, unit="s", min=POSITIVE, bound=True, doc="JONSWAP: Tp")
     gamma: Number = param(
         default=None, min=1, bound=True, doc="JONSWAP: peak factor; without a value by DNV-RP-C205, 3.5.5.5"
     )
     seed: int = param(default=1, min=0, bound=True, doc="JONSWAP: number of the realisation")
     random_amplitudes: bool = param(default=True, bound=True, doc="JONSWAP: Gaussian sea; false: random phases only")
     repetition_period: Number = param(
-        default=4096.0, unit="s", min=0, bound=True, doc="JONSWAP: period of the realisation"
+        default=4096.0, unit="s", min=POSITIVE, bound=True, doc="JONSWAP: period of the realisation"
     )
 
     def components(self) -> WaveComponents:

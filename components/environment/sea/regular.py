@@ -9,6 +9,7 @@ import numpy as np
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.waves import WaveComponents, breaking_height, regular_waves
 from fowtlib.language import Number, param
+from fowtlib.language.bounds import POSITIVE
 
 
 class RegularWaves(Sea, kind="regular"):
@@ -17,7 +18,7 @@ class RegularWaves(Sea, kind="regular"):
     wave_height: Number = param(
         default=None, unit="m", min=0, bound=True, doc="regular waves: height from trough to crest"
     )
-    wave_period: Number = param(default=None, unit="s", min=0, bound=True, doc="regular waves: period")
+    wave_period: Number = param(default=None, unit="s", min=POSITIVE, bound=True, doc="regular waves: period")
 
     def components(self) -> WaveComponents:
         (height, period), world = self.wave(), self.world

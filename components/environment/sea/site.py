@@ -9,6 +9,7 @@ from fowtlib.components.environment.sea.base import Sea, the_wind
 from fowtlib.components.environment.sea.jonswap import JonswapSea
 from fowtlib.components.environment.sea.regular import RegularWaves
 from fowtlib.language import Array, Number, param
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 
 PARTS = {"short": 0.0, "middle": 0.5, "long": 1.0}
@@ -94,7 +95,7 @@ class ExtremeSea(JonswapSea, kind="ess"):
     return_period: int = param(default=50, choices=iec.RETURN_PERIODS, bound=True, doc="in years")
     hours: int = param(default=3, choices=(3, 1), bound=True, doc="length of the runs that stand for the sea state")
     peak_period: Number = param(
-        default=None, unit="s", min=0, bound=True, instead_of=("period_choice",), doc="ESS: Tp"
+        default=None, unit="s", min=POSITIVE, bound=True, instead_of=("period_choice",), doc="ESS: Tp"
     )
     period_choice: str = param(default="middle", choices=tuple(PARTS), bound=True, doc="place of Tp in its range")
 
@@ -121,7 +122,7 @@ class ExtremeWave(RegularWaves, kind="ewh"):
     return_period: int = param(default=50, choices=iec.RETURN_PERIODS, bound=True, doc="in years")
     factor: Number = param(default=iec.HIGHEST_WAVE, min=0, bound=True, doc="height of the wave over Hs")
     wave_period: Number = param(
-        default=None, unit="s", min=0, bound=True, instead_of=("period_choice",), doc="EWH: period"
+        default=None, unit="s", min=POSITIVE, bound=True, instead_of=("period_choice",), doc="EWH: period"
     )
     period_choice: str = param(default="middle", choices=tuple(PARTS), bound=True, doc="place of it in its range")
 

@@ -5,6 +5,7 @@ A netCDF file is refused where a checksum does not fit; .csv and .outb cannot te
 
 from __future__ import annotations
 
+import codecs
 import csv
 import json
 import re
@@ -190,7 +191,7 @@ def _write_csv(stored: Stored, path: Path) -> None:
 
 
 def _read_csv(path: Path) -> Stored:
-    with path.open(newline="", encoding="utf-8") as file:
+    with path.open(newline="", encoding=_encoding(path)) as file:
         heads = next(csv.reader(file), [])
         matches = [_HEADER.match(head.strip()) for head in heads]
         if not heads or None in matches or matches[0]["name"] != "time" or matches[0]["unit"] != "s":
@@ -205,14 +206,40 @@ def _read_csv(path: Path) -> Stored:
         raise ModelError(f"{path}: the header names {len(heads)} columns, the rows have {rows.shape[1]}.")
     rows = rows.reshape(-1, len(heads))
     names = [match["name"] for match in matches]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise ModelError(f"{path}:1: there are two columns '{name}'.")
+    _check_time(path, rows[:, 0])
     values = {name: rows[:, i] for i, name in enumerate(names) if i > 0}
     units = {match["name"]: "1" if match["unit"] == "-" else match["unit"] for match in matches[1:]}
     return Stored(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
 
 
+def _encoding(path: Path) -> str:
+    """UTF-8 as we write it, or with the byte order mark of spreadsheets; UTF-16 where that mark says so."""
+    with path.open("rb") as file:
+        mark = file.read(2)
+    return "utf-16" if mark in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+
+
+def _check_time(path: Path, time: np.ndarray) -> None:
+    """ModelError with the line where time is no number or goes back."""
+    wrong = np.flatnonzero(~np.isfinite(time) | (np.diff(time, prepend=time[:1]) < 0))
+    if not wrong.size:
+        return
+    k = int(wrong[0])
+    with path.open(newline="", encoding=_encoding(path)) as file:
+        reader = csv.reader(file)
+        lines = [reader.line_num for row in reader if row]
+    said = f"the time {time[k]:.10g} s comes after {time[k - 1]:.10g} s"
+    if not np.isfinite(time[k]):
+        said = "the time is no number"
+    raise ModelError(f"{path}:{lines[k + 1]}: {said}.")
+
+
 def _wrong_row(path: Path, width: int) -> str:
     """What is wrong with the first row that is not `width` numbers, with its line; empty where there is none."""
-    with path.open(newline="", encoding="utf-8") as file:
+    with path.open(newline="", encoding=_encoding(path)) as file:
         rows = csv.reader(file)
         next(rows, None)
         for row in rows:
