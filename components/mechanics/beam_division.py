@@ -22,6 +22,7 @@ each.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -289,10 +290,15 @@ def _straight(beam: BeamProperties, a: float, b: float) -> Segment:
 
 def _within(beam: BeamProperties, names: tuple[str, ...], a: float, b: float) -> tuple[Any, ...]:
     """Something that is equal where these properties between a and b are."""
-    z = beam.z - beam.z[0]
-    part = slice(max(int(np.searchsorted(z, a, "right")) - 1, 0), int(np.searchsorted(z, b, "left")) + 1)
-    columns = (getattr(beam, name) for name in names)
-    return a, b, z[part].tobytes(), *(None if column is None else column[part].tobytes() for column in columns)
+    z, known, table = _rows_of(beam, names)
+    return a, b, known, table[max(bisect_right(z, a) - 1, 0) : bisect_left(z, b) + 1].tobytes()
+
+
+@lru_cache(maxsize=KEPT)
+def _rows_of(beam: BeamProperties, names: tuple[str, ...]) -> tuple[list[float], tuple[str, ...], np.ndarray]:
+    """Distances of the stations from the root, which properties are known, and rows of distance and these."""
+    z, known = beam.z - beam.z[0], tuple(name for name in names if getattr(beam, name) is not None)
+    return z.tolist(), known, np.column_stack([z, *(getattr(beam, name) for name in known)])
 
 
 class _Known:

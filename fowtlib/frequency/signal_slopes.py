@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fowtlib.language.component import Component
-from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.solving.excited import Signal
 from fowtlib.solving.known_slopes import Known
 from fowtlib.solving.tuned import Tuned, TunedRun
@@ -38,8 +37,8 @@ class SignalSlopes:
         """What is known of a signal, at all frequencies where it is of use; its slopes there are not known yet."""
         if known.there is not None and np.all(np.isin(self.omega, known.there[0], assume_unique=True)):
             return
-        with parameters_read() as read, one_evaluation():
-            here = signal.response(self.run.tree, everywhere)
+        with self.run.beside().here() as (tree, read):
+            here = signal.response(tree, everywhere)
         known.note(read, self.run.contents)
         known.there, known.slopes, known.apart = (everywhere, np.array(here)), {}, None
 
@@ -57,7 +56,7 @@ class SignalSlopes:
         here = np.concatenate([_flat(self.known[k].there[1]) for k in asked])
 
         def computed(value: float) -> np.ndarray:
-            with self.run.tree_at(item, value) as root, one_evaluation():
+            with self.run.tree_at(item, value) as root:
                 return np.concatenate([_flat(self._response(k, root)) for k in asked])
 
         slope, first = self.run.slope(item, computed, here), 0

@@ -226,8 +226,8 @@ def one_evaluation() -> Iterator[dict[Any, Any]]:
 
 
 @contextmanager
-def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]]) -> Iterator[None]:
-    """An evaluation that has values of an earlier one, and notes in `reads` which parameters it asks for.
+def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]] | None = None) -> Iterator[None]:
+    """An evaluation that has values of an earlier one, and notes in `reads`, if given, which parameters it asks for.
 
     Whoever keeps both sees to it that nothing that was read has changed, and holds the components.
     """

@@ -86,7 +86,9 @@ class LinearGradient:
         q = np.concatenate([state.u, state.d])
         self.nx, self.nz = state.x.size, state.z.size
         key = (self.slopes.shown, self.slopes.inputs, tuple(further.symbols))
-        pullback = Pullback(at, key, lambda: self.slopes.rows, self.slopes.columns)
+        first = state.x.size + state.z.size
+        results = slice(first, first + len(self.slopes.shown) - len(further.outputs))
+        pullback = Pullback(at, key, lambda: self.slopes.rows, self.slopes.columns, results)
         self.point = pullback.point(state.t, state.x, state.z, q)
         by_x, by_z, by_u = self.slopes(state.t, state.x, state.z, q)
         ode, alg, out = slice(0, self.nx), slice(self.nx, self.nx + self.nz), slice(self.nx + self.nz, None)

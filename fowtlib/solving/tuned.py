@@ -25,6 +25,7 @@ from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.series import Series
 from fowtlib.language.units import to_si
+from fowtlib.solving.beside import Beside
 from fowtlib.solving.binding import RunTrees, start_numbers, tree_with
 from fowtlib.solving.bindings import Common
 from fowtlib.solving.differences import SHORT, derivative
@@ -159,6 +160,7 @@ class TunedRun:
         self.mean = mean_parameters(plant, self.parameters)
         self.binding = plant.binding(self.mean)
         self._work: _Work = plant.functions.once("tuned runs", lambda: _Work(plant))
+        self._beside: dict[bool, Beside] = {}
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -215,12 +217,19 @@ class TunedRun:
     @contextmanager
     def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
         """The same with another value of an element, for as long as the context lasts."""
-        common = self._of_run
-        if not common.is_plain(item.path):
-            yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
+        if not self._of_run.is_plain(item.path):
+            with one_evaluation():
+                yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
             return
-        with common.put({item.path: np.asarray(self._with(item, value))}) as tree:
+        with self.beside().at({item.path: np.asarray(self._with(item, value))}) as tree:
             yield tree
+
+    def beside(self, of_mean: bool = False) -> Beside:
+        """Evaluations of the tree of the run, or of its mean."""
+        common = self._common if of_mean else self._of_run
+        if of_mean not in self._beside or self._beside[of_mean].common is not common:
+            self._beside[of_mean] = Beside(common)
+        return self._beside[of_mean]
 
     def changed(self, item: Tuned, value: float) -> dict[str, Any]:
         """The parameters of the run, with another value of an element."""
@@ -265,7 +274,7 @@ class TunedRun:
             before = self._work.apart.setdefault(name, set())
             apart = [item for item in items if item.name in before and item.tunable and common.is_plain(item.path)]
             if apart:
-                with common.put(self.moved(apart)) as tree, one_evaluation(), parameters_read() as read:
+                with self.beside(of_mean).at(self.moved(apart)) as tree, parameters_read() as read:
                     if not np.array_equal(computed(tree), here):
                         apart = []
                 known.note(read, contents)
@@ -348,12 +357,16 @@ class TunedRun:
 
     def _learn(self, item: Tuned, unknown: Mapping[str, Known]) -> None:
         """The slopes of what is computed from an element; None of what does not depend on it."""
-        bound, apart = self.plant.dae.bound, set[str]()
+        apart, beside = set[str](), self.beside(of_mean=True)
         for path, one in unknown.items():
+            if path not in beside.met:
+                beside.met.add(path)
+                with beside.here() as (tree, read):
+                    self._computed(tree, path)
+                one.note(read, self._contents)
             if path in self._numbers and path not in self.binding.sources:
                 kept = self.kept_apart(path, one, self.elements, self.binding.p[self._place(path)],
-                                       lambda tree, path=path: start_numbers(bound[path], tree.find(bound[path].owner)),
-                                       of_mean=True)  # fmt: skip
+                                       lambda tree, path=path: self._computed(tree, path), of_mean=True)  # fmt: skip
                 if item.name in kept:
                     one.slopes[item.name] = None
                     apart.add(path)
@@ -364,17 +377,10 @@ class TunedRun:
         given = np.array(self.binding.values[item.path])
 
         def computed(value: float) -> np.ndarray:
-            moved, columns = given.copy(), []
+            moved = given.copy()
             moved.T.flat[item.number] = value
-            with self._common.put({item.path: moved}) as tree, one_evaluation():
-                for path, one in asked.items():
-                    with parameters_read() as read:
-                        if path in self._numbers:
-                            columns.append(start_numbers(bound[path], tree.find(bound[path].owner)))
-                        else:
-                            columns.append(self._parameter(tree, path))
-                    one.note(read, self._contents)
-            return np.concatenate(columns)
+            with beside.at({item.path: moved}) as tree:
+                return np.concatenate([self._computed(tree, path) for path in asked])
 
         here = np.concatenate([np.atleast_1d(self.binding.p[self._place(path)]) for path in asked])
         slope = self.slope(item, computed, here)
@@ -384,7 +390,11 @@ class TunedRun:
             if path in self._numbers and not part.any():
                 self.set_apart(path, item)
 
-    def _parameter(self, tree: Component, path: str) -> np.ndarray:
+    def _computed(self, tree: Component, path: str) -> np.ndarray:
+        """Numbers, or a parameter that follows from others, with the values that a tree has."""
+        if path in self._numbers:
+            item = self.plant.dae.bound[path]
+            return start_numbers(item, tree.find(item.owner))
         owner, _, name = path.rpartition(".")
         now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
         return np.ravel(np.broadcast_to(now, self.binding.values[path].shape), order="F")
