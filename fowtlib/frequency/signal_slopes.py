@@ -13,7 +13,10 @@ import numpy as np
 from fowtlib.language.component import Component
 from fowtlib.solving.excited import Signal
 from fowtlib.solving.known_slopes import Known
+from fowtlib.solving.together import slopes_together
 from fowtlib.solving.tuned import Tuned, TunedRun
+
+DECAYED = 1e-9  # of the largest change of a signal, a change that does not count
 
 
 class SignalSlopes:
@@ -26,6 +29,7 @@ class SignalSlopes:
         everywhere = run.asked(omega)
         for signal, known in zip(self.signals, self.known, strict=True):
             self._prepare(signal, known, everywhere)
+        self._learn_together()
 
     def of(self, item: Tuned) -> Mapping[int, np.ndarray]:
         """Slopes (q, signals, channels) by an element, by the numbers of those signals that depend on it."""
@@ -40,7 +44,33 @@ class SignalSlopes:
         with self.run.beside().here() as (tree, read):
             here = signal.response(tree, everywhere)
         known.note(read, self.run.contents)
-        known.there, known.slopes, known.apart = (everywhere, np.array(here)), {}, None
+        known.there, known.before, known.slopes, known.apart = (everywhere, np.array(here)), known.mattered, {}, None
+
+    def _learn_together(self) -> None:
+        """Slopes by those elements of which it is known to which signals they mattered before."""
+        steps: dict[str, float] = {}
+        asked: dict[str, list[int]] = {}
+        for item in self.run.elements:
+            unknown = [k for k, one in enumerate(self.known) if item.name not in one.slopes and item.path in one.paths]
+            if unknown and self.run.moves_freely(item) and all(item.name in self.known[k].before for k in unknown):
+                steps[item.name], asked[item.name] = self.run.step(item), unknown
+        if len(steps) < 2:
+            return
+        affects = {name: {k: mask for k in unknown if (mask := self.known[k].before[name]) is not None}
+                   for name, unknown in asked.items()}  # fmt: skip
+        here = {k: _flat(self.known[k].there[1]) for unknown in asked.values() for k in unknown}
+
+        def computed(shifts: Mapping[str, float], numbers: Sequence[int]) -> list[np.ndarray]:
+            with self.run.beside().at(self.run.shifted(shifts)) as root:
+                return [_flat(self._response(k, root)) for k in numbers]
+
+        found = slopes_together(steps, affects, here, computed, DECAYED)
+        for name, slopes in (found or {}).items():
+            for k in asked[name]:
+                omega, values = self.known[k].there
+                self.known[k].slopes[name] = None
+                if (slope := slopes.get(k)) is not None:
+                    self.known[k].slopes[name] = omega, slope.view(complex).reshape(values.shape)
 
     def _learn(self, item: Tuned) -> None:
         """The slopes of signals by an element that are not known yet; None of those that do not depend on it."""

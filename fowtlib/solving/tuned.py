@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import copy
 import threading
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +32,7 @@ from fowtlib.solving.differences import SHORT, derivative
 from fowtlib.solving.known_slopes import Contents, Known, KnownSlopes, contents_of
 from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.starts import mean_parameters
+from fowtlib.solving.together import slopes_together
 
 Plant = Any
 Values = Mapping[str, Any]
@@ -161,6 +162,7 @@ class TunedRun:
         self.binding = plant.binding(self.mean)
         self._work: _Work = plant.functions.once("tuned runs", lambda: _Work(plant))
         self._beside: dict[bool, Beside] = {}
+        self._found: dict[str, Known] = {}
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -207,7 +209,9 @@ class TunedRun:
 
     def _known(self, path: str) -> Known:
         """The same of a parameter, or of numbers, in the mean."""
-        return self._work.of_means.of(path, self._contents)
+        if path not in self._found:
+            self._found[path] = self._work.of_means.of(path, self._contents)
+        return self._found[path]
 
     def asked(self, omega: np.ndarray) -> np.ndarray:
         """All frequencies that this run and others with equal elements ask for, or did at the last elements."""
@@ -251,15 +255,26 @@ class TunedRun:
         moved.T.flat[item.number] = value
         return moved
 
-    def moved(self, items: Iterable[Tuned]) -> dict[str, np.ndarray]:
-        """Whole parameters with all these elements elsewhere, by the steps of their slopes."""
+    def step(self, item: Tuned) -> float:
+        """By how much an element moves for a slope; negative where its upper bound is near."""
+        value = float(self.values[self.elements.index(item)])
+        step = SHORT * (abs(value) or 1.0)
+        return step if item.max is None or value + step <= item.max else -step
+
+    def moves_freely(self, item: Tuned, of_mean: bool = False) -> bool:
+        """Whether an element may move to both sides, as a value on a tree."""
+        value, step = float(self.values[self.elements.index(item)]), self.step(item)
+        if not item.tunable or step < 0 or (item.min is not None and value - step < item.min):
+            return False
+        return (self._common if of_mean else self._of_run).is_plain(item.path)
+
+    def shifted(self, shifts: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Whole parameters with elements shifted by so much, by their names."""
         found: dict[str, np.ndarray] = {}
-        for item in items:
-            value = float(self.values[self.elements.index(item)])
-            step = SHORT * (abs(value) or 1.0)
-            value += step if item.max is None or value + step <= item.max else -step
-            whole = found.setdefault(item.path, np.array(self.whole(item)))
-            whole.T.flat[item.number if whole.shape else 0] = value
+        for number, item in enumerate(self.elements):
+            if (shift := shifts.get(item.name)) is not None:
+                whole = found.setdefault(item.path, np.array(self.whole(item)))
+                whole.T.flat[item.number if whole.shape else 0] = self.values[number] + shift
         return found
 
     def kept_apart(self, name: Hashable, known: Known, items: Sequence[Tuned], here: np.ndarray,
@@ -274,7 +289,8 @@ class TunedRun:
             before = self._work.apart.setdefault(name, set())
             apart = [item for item in items if item.name in before and item.tunable and common.is_plain(item.path)]
             if apart:
-                with self.beside(of_mean).at(self.moved(apart)) as tree, parameters_read() as read:
+                moved = self.shifted({item.name: self.step(item) for item in apart})
+                with self.beside(of_mean).at(moved) as tree, parameters_read() as read:
                     if not np.array_equal(computed(tree), here):
                         apart = []
                 known.note(read, contents)
@@ -311,12 +327,14 @@ class TunedRun:
         """
         used, used_w = np.any(p != 0, axis=0), np.any(w != 0, axis=0)
         found = np.zeros((len(p), len(self.elements)))
+        if self.plant.root is not None:
+            self._learn_together(counting := self._counting(used))
         for column, item in enumerate(self.elements):
             if item.tunable and self.plant.root is None:
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
             elif item.tunable and self._acts_alone(item):
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
-                found[:, column] += self._through_numbers(item, p, used)
+                found[:, column] += self._through_numbers(item, p, counting)
             else:
                 found[:, column] = self._through_all(item, p, w, used_w, t)
         return found
@@ -336,20 +354,65 @@ class TunedRun:
         """Parameters that are computed from one."""
         return [path for path, by in self._common.needs.items() if item.path in by]
 
-    def _through_numbers(self, item: Tuned, p: np.ndarray, used: np.ndarray) -> np.ndarray:
-        """Slopes through other parameters, and through numbers, that are computed from an element."""
-        layout, followers = self.plant.layout.p, self._followers(item)
+    def _asked(self, item: Tuned, counting: frozenset[str]) -> dict[str, Known]:
+        """Other parameters, and numbers, that are computed from an element, of those that count."""
+        followers = self._followers(item)
         read = {item.path, *followers}
-        asked = [path for path in followers if used[layout[path]].any()]
-        asked += [path for path, place in self._numbers.items()
-                  if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
-        known = {path: self._known(path) for path in asked}
+        asked = [path for path in followers if path in counting]
+        asked += [path for path in self._numbers
+                  if path in counting and not read.isdisjoint(self.binding.reads.get(path, ()))]  # fmt: skip
+        return {path: self._known(path) for path in asked}
+
+    def _counting(self, used: np.ndarray) -> frozenset[str]:
+        """Paths of parameters and numbers on which results depend, of which it is said for each entry of p."""
+        places = {**self.plant.layout.p, **self._numbers}
+        return frozenset(path for path, place in places.items() if used[place].any())
+
+    def _through_numbers(self, item: Tuned, p: np.ndarray, counting: frozenset[str]) -> np.ndarray:
+        """Slopes through other parameters, and through numbers, that are computed from an element."""
+        known = self._asked(item, counting)
         self._learn(item, {path: one for path, one in known.items() if item.name not in one.slopes})
         found = np.zeros(len(p))
         for path, one in known.items():
             if (slope := one.slopes[item.name]) is not None:
                 found += p[:, self._place(path)] @ slope
         return found
+
+    def _learn_together(self, counting: frozenset[str]) -> None:
+        """Slopes by those elements of which it is known what they mattered to before."""
+        steps: dict[str, float] = {}
+        asked: dict[str, dict[str, Known]] = {}
+        for item in self.elements:
+            if not self.moves_freely(item, of_mean=True) or not self._acts_alone(item):
+                continue
+            known = {path: one for path, one in self._asked(item, counting).items() if item.name not in one.slopes}
+            if known and all(item.name in one.before for one in known.values()):
+                steps[item.name], asked[item.name] = self.step(item), known
+        if len(steps) < 2:
+            return
+        for path, one in {path: one for known in asked.values() for path, one in known.items()}.items():
+            self._meet(path, one)
+        affects = {name: {path: one.before[name] for path, one in known.items() if one.before[name] is not None}
+                   for name, known in asked.items()}  # fmt: skip
+        here = {path: np.atleast_1d(self.binding.p[self._place(path)]) for known in asked.values() for path in known}
+
+        def computed(shifts: Mapping[str, float], paths: Sequence[str]) -> list[np.ndarray]:
+            with self.beside(of_mean=True).at(self.shifted(shifts)) as tree:
+                return [self._computed(tree, path) for path in paths]
+
+        found = slopes_together(steps, affects, here, computed)
+        for name, slopes in (found or {}).items():
+            for path, one in asked[name].items():
+                one.slopes[name] = slopes.get(path)
+
+    def _meet(self, path: str, one: Known) -> None:
+        """What is computed, as it is, so that it is noted what it follows from."""
+        beside = self.beside(of_mean=True)
+        if path not in beside.met:
+            beside.met.add(path)
+            with beside.here() as (tree, read):
+                self._computed(tree, path)
+            one.note(read, self._contents)
 
     def _place(self, path: str) -> Any:
         """Where a parameter, or numbers, stand in p."""
@@ -359,11 +422,7 @@ class TunedRun:
         """The slopes of what is computed from an element; None of what does not depend on it."""
         apart, beside = set[str](), self.beside(of_mean=True)
         for path, one in unknown.items():
-            if path not in beside.met:
-                beside.met.add(path)
-                with beside.here() as (tree, read):
-                    self._computed(tree, path)
-                one.note(read, self._contents)
+            self._meet(path, one)
             if path in self._numbers and path not in self.binding.sources:
                 kept = self.kept_apart(path, one, self.elements, self.binding.p[self._place(path)],
                                        lambda tree, path=path: self._computed(tree, path), of_mean=True)  # fmt: skip
