@@ -463,9 +463,11 @@ class Component(Composite):
 
     def walk(self) -> Iterator[Component]:
         """The component and all parts below it, parents first."""
-        yield self
-        for child in self.parts.values():
-            yield from child.walk()
+        left: list[Component] = [self]
+        while left:
+            component = left.pop()
+            yield component
+            left.extend(reversed(component.parts.values()))
 
     def find(self, path: str) -> Component:
         """The component at a path below this one."""

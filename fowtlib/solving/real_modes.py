@@ -50,19 +50,20 @@ class RealModes:
         A symmetric matrix at each frequency: with the conjugate functions it answers backwards, from shapes' to of'.
         """
         p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
-        (P, Q, alone), (g, h) = np.split(functions[:, :, None], [p, 2 * p]), (parts[:p], parts[p : 2 * p])
-        found[:p] = P * g + Q * h
-        found[p : 2 * p] = Q * g - P * h
-        found[2 * p :] = alone * parts[2 * p :]
+        first, second, rest = slice(p), slice(p, 2 * p), slice(2 * p, None)
+        P, Q, alone = (functions[part, :, None] for part in (first, second, rest))
+        g, h = parts[first], parts[second]
+        found[first] = P * g + Q * h
+        found[second] = Q * g - P * h
+        found[rest] = alone * parts[rest]
         return found
 
     def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
         """C (i omega - A)^-1 B as sums of the functions, for C (m, n) and B (n, k): (m, k, n)."""
         p = len(self.pairs)
-        (c, d, e), (g, h, b) = (
-            np.split((C @ self.shapes)[:, None], [p, 2 * p], 2),
-            np.split((self.of @ B).T, [p, 2 * p], 1),
-        )
+        parts = slice(p), slice(p, 2 * p), slice(2 * p, None)
+        by_shape, of = (C @ self.shapes)[:, None], (self.of @ B).T
+        (c, d, e), (g, h, b) = [by_shape[..., part] for part in parts], [of[:, part] for part in parts]
         return np.concatenate([c * g - d * h, c * h + d * g, e * b], axis=2)
 
     def faster(self, rate: float) -> np.ndarray:
