@@ -129,7 +129,7 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
     s = np.clip(given, 0.0, beam.length)
     for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
         raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
-    found, order, last = [], np.argsort(s, kind="stable"), len(division.segments) - 1
+    found, order, last = [], np.argsort(s, kind="stable").tolist(), len(division.segments) - 1
     for i, segment in enumerate(division.segments):
         root = division.points[i - 1] if i else np.zeros(3)
         within = [k for k in order if segment.start <= s[k] < segment.end or (i == last and s[k] == segment.end)]
@@ -143,11 +143,12 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
 
 def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Points and weights from a to b that respect the kinks of the table: 4 Gauss points in each piece."""
-    stations = beam.z - beam.z[0]
-    marks = np.concatenate([[a], stations[(stations > a) & (stations < b)], [b]])
-    edges = np.append((marks[:-1, None] + np.diff(marks)[:, None] / pieces * np.arange(pieces)).ravel(), b)
+    stations = beam.distances
+    marks = np.concatenate([[a], stations[stations.searchsorted(a, "right") : stations.searchsorted(b)], [b]])
+    parts = (marks[1:] - marks[:-1])[:, None] / pieces
+    edges = np.concatenate([(marks[:-1, None] + parts * np.arange(pieces)).ravel(), [b]])
     x, w = GAUSS
-    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
+    middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
 
 
@@ -195,17 +196,19 @@ def _gauss_rule(
 ) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     L = beam.length
     s, w = _quadrature(beam, start, end, pieces=max(4, count))
-    EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
+    stiffness = {name: beam.at(name, s) for name in STIFFNESSES if getattr(beam, name) is not None}
+    EI = np.sqrt(stiffness["stiffness_x"] * stiffness["stiffness_y"])
     taper = (1 - s / L) ** (2 if free_tip else 0)
     nodes = start + gauss_points(s - start, w * taper / EI, end - start, count)[0]
     cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
-    spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
+    spread = np.ones((count, s.size))
+    for p, row in zip(nodes, spread, strict=True):
+        for q in nodes[nodes != p]:
+            row *= (s - q) / (p - q)
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
-    for name in STIFFNESSES:
-        if getattr(beam, name) is None:
-            continue
+    for name, here in stiffness.items():
         bending = name in ("stiffness_x", "stiffness_y")
-        weight = w / beam.at(name, s) * (taper if bending else 1.0)
+        weight = w / here * (taper if bending else 1.0)
         rule = spread @ weight
         if rule.min() <= 0:  # far from the weight of the points: each point stands for what is nearest to it
             rule = np.bincount(cells, weights=weight, minlength=count)

@@ -9,6 +9,8 @@ another share of its step, the numbers must change by the sum of what was found.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import cache
+from zlib import crc32
 
 import numpy as np
 
@@ -73,10 +75,17 @@ def _groups(names: Sequence[str], affects: Affects) -> list[list[str]]:
     return [group for group, _ in groups]
 
 
+@cache
+def _share(name: str) -> float:
+    """From 0.5 to 1, up or down: of its name, so that all that follows from a part moves with the same sizes of it."""
+    number = crc32(name.encode())
+    return (-1) ** number * (0.5 + 0.5 * (GOLDEN * number % 1))
+
+
 def _adds_up(steps: Mapping[str, float], found: Mapping[str, Mapping[Hashable, np.ndarray]],
              here: Mapping[Hashable, np.ndarray], compute: Compute, least: float) -> bool:  # fmt: skip
     """Whether the numbers change by the sum of all changes where all elements move."""
-    shares = {name: (-1) ** k * (0.5 + 0.5 * (GOLDEN * k % 1)) * step for k, (name, step) in enumerate(steps.items())}
+    shares = {name: _share(name) * step for name, step in steps.items()}
     above, below = (compute({name: sign * share for name, share in shares.items()}, list(here)) for sign in (1, -1))
     for key, more, less in zip(here, above, below, strict=True):
         changes = [shares[name] * slopes[key] for name, slopes in found.items() if key in slopes]
