@@ -74,6 +74,10 @@ class Division:
 
 def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
     """Point of the elastic axis at the distance s from the root, in the axes of the root; a row for each of several."""
+    if _is_straight(beam):
+        points = np.zeros((*np.shape(s), 3))
+        points[..., 2] = s
+        return points
     return np.stack([beam.at("reference_x", s), beam.at("reference_y", s), s], axis=-1)
 
 
@@ -236,6 +240,8 @@ def gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> tu
 
 def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:
     """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending; (n, 3, 3) for n."""
+    if _is_straight(beam):
+        return np.broadcast_to(np.eye(3), (*np.shape(s), 3, 3)).copy()
     step = 1e-6 * beam.length
     tangent = elastic_axis(beam, np.minimum(s + step, beam.length)) - elastic_axis(beam, np.maximum(s - step, 0.0))
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
