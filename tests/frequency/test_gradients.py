@@ -10,7 +10,8 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.fatigue.spectral import narrow_band
-from fowtlib.components.environment import World
+from fowtlib.components.environment import Sea, World
+from fowtlib.components.hydro import SlenderHullLoads
 from fowtlib.components.mechanics import Fixed, PointMass, TubeBeam
 from fowtlib.frequency import (
     EquivalentLoad,
@@ -489,6 +490,22 @@ def test_the_sizes_of_a_spar_whose_hull_is_computed_when_a_run_starts():
     prepared = PreparedGradient(fw.load("two_rotor_spar_design"), ["mean pitch", "frequency heave"],
                                 ["diameter", "draft", "mooring.length"])  # fmt: skip
     check(prepared, step=3e-4)
+
+
+def test_the_load_on_a_fixed_hull_by_its_sizes_and_by_the_direction_of_the_waves():
+    """Its sizes move the strips, of which the waves have slopes; the direction moves the waves themselves."""
+    root = fw.Assembly("hull")
+    root.world, root.joint = World(water_depth=150.0), Fixed()
+    root.sea = Sea(spectrum="jonswap", significant_wave_height=4.0, peak_period=10.0, heading=0.3)
+    root.hull = SlenderHullLoads(heights=[-120.0, -12.0, -4.0, 10.0], diameters=[9.4, 9.4, 6.5, 6.5])
+    root.connect(root.joint.frame, root.hull.frame)
+    outputs = {"force": fw.Output("hull.force[0]", "kN"), "moment": fw.Output("hull.moment[0]", "kN*m")}
+    prepared = PreparedGradient(fw.Model(root, outputs=outputs), ["std force", "std moment"],
+                                ["hull.diameters", "hull.position[2]", "sea.heading"],
+                                frequencies=np.linspace(0.02, 0.4, 60))  # fmt: skip
+    values, jacobian = check(prepared)
+    assert jacobian[0, -1] == pytest.approx(-values[0] * np.tan(0.3), rel=1e-6)  # the force goes by its cosine
+    check(prepared, point=[9.0, 9.6, 6.8, 6.4, 1.0, -0.5])  # once it is known what matters to what
 
 
 @pytest.fixture(scope="module")
