@@ -36,6 +36,21 @@ def diffraction_coefficient(ka: ArrayLike) -> Complexes:
     return np.where(wide, 4 / (1j * np.pi * safe**2 * slope), 2.0)
 
 
+def diffraction_slope(ka: ArrayLike) -> Complexes:
+    """Derivative of the logarithm of that coefficient by k a. Long waves: 0.
+
+    With S = J1' - i Y1', and the equation of Bessel for S': -1/x + (1 - 1/x^2) (J1 - i Y1) / S.
+    """
+    from scipy.special import j0, j1, y0, y1
+
+    x = np.asarray(ka, dtype=float)
+    wide = x > SMALLEST
+    safe = np.where(wide, x, 1.0)
+    first = j1(safe) - 1j * y1(safe)
+    slope = j0(safe) - 1j * y0(safe) - first / safe
+    return np.where(wide, -1 / safe + (1 - 1 / safe**2) * first / slope, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class HullStrips:
     """A hull between two heights as strips: a Gauss rule of the displaced volume, exact for its first moments.
@@ -151,6 +166,11 @@ class HullPart:
         z = np.append(self.wet.height, self.low) if self.keel else self.wet.height
         return np.column_stack([np.broadcast_to(self.position[:2], (len(z), 2)), z])
 
+    @cached_property
+    def widths(self) -> Floats:
+        """Diameters (k,) [m] there."""
+        return self.width(self.places[:, 2])
+
     def elevation(self, waves: WaveComponents) -> Complexes:
         """Elevation (n, 1) of the water at the axis, per unit amplitude."""
         return waves.elevation_transfer(self.position[:2])
@@ -162,7 +182,7 @@ class HullPart:
 
     def acceleration(self, waves: WaveComponents) -> Complexes:
         """Acceleration (n, k, 3) with which rho dV (1 + C_a) a is the force of MacCamy and Fuchs across the axis."""
-        widths = self.width(self.places[:, 2])
+        widths = self.widths
 
         def make() -> Complexes:
             coefficient = diffraction_coefficient(waves.wave_number[:, None] * widths / 2)

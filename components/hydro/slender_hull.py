@@ -11,7 +11,12 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart
+<<<<<<< HEAD
 from fowtlib.components.hydro.linear_loads import LARGEST_TILT, PlatformLoad
+=======
+from fowtlib.components.hydro.hull_waves import WaterAtStrips
+from fowtlib.components.hydro.linear_loads import PlatformLoad
+>>>>>>> grad3
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
 from fowtlib.language import Array, Component, Scalar, Vector, assert_, at_start, eq, outer, param, var
 from fowtlib.language import math as m
@@ -105,8 +110,8 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         """Velocity, or acceleration as the strips feel it, of the water at the strips and the keel, (count, 3)."""
         if self.sea is None:
             return m.zeros(count, 3)
-        transfer, unit = {"velocity": (_velocity, "m/s"), "acceleration": (_acceleration, "m/s^2")}[what]
-        value = self.sea.signal(transfer, 3 * count, f"water {what}", unit, of=self)
+        unit = {"velocity": "m/s", "acceleration": "m/s^2"}[what]
+        value = self.sea.signal(WaterAtStrips(what), 3 * count, f"water {what}", unit, of=self)
         return m.horzcat(value[:count], value[count : 2 * count], value[2 * count :])
 
     def wave_transfer(self, omega, heading):
@@ -189,11 +194,3 @@ def _strips(part: SlenderHullLoads, numbers) -> list[Strip]:
 
 def _elevation(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
     return part.numbers().elevation(waves)
-
-
-def _velocity(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
-    return part.numbers().velocity(waves).transpose(0, 2, 1).reshape(len(waves), -1)
-
-
-def _acceleration(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
-    return part.numbers().acceleration(waves).transpose(0, 2, 1).reshape(len(waves), -1)

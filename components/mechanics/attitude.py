@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Component
-from fowtlib.language.expressions import one_evaluation, value_of
+from fowtlib.language.expressions import value_of
 
 Place = tuple[int, str]  # id of a component, which is found faster than its path; label of its port
 
@@ -76,18 +76,18 @@ def _attitude(component: Component, port: str) -> np.ndarray:
 
 def _network(root: Component) -> tuple[dict[int, Any], dict[Place, list[Place]]]:
     """All parts by their ids, and the places that each place is connected with; the same within an evaluation."""
-    with one_evaluation() as known:
-        key = ("network", id(root))
-        if key not in known:
-            links: dict[Place, list[Place]] = defaultdict(list)
-            parts = {id(part): part for part in root.walk()}
-            for owner in parts.values():
-                for a, b, _ in owner.connections:
-                    one, other = (id(a.component.current), a.label), (id(b.component.current), b.label)
-                    links[one].append(other)
-                    links[other].append(one)
-            known[key] = parts, links
-        return known[key]
+    return value_of(root, "network", lambda: _linked(root))
+
+
+def _linked(root: Component) -> tuple[dict[int, Any], dict[Place, list[Place]]]:
+    links: dict[Place, list[Place]] = defaultdict(list)
+    parts = {id(part): part for part in root.walk()}
+    for owner in parts.values():
+        for a, b, _ in owner.connections:
+            one, other = (id(a.component.current), a.label), (id(b.component.current), b.label)
+            links[one].append(other)
+            links[other].append(one)
+    return parts, links
 
 
 def _next(part: Any, number: int, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray | None]]:

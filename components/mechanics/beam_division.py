@@ -22,6 +22,7 @@ each.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -73,6 +74,10 @@ class Division:
 
 def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
     """Point of the elastic axis at the distance s from the root, in the axes of the root; a row for each of several."""
+    if _is_straight(beam):
+        points = np.zeros((*np.shape(s), 3))
+        points[..., 2] = s
+        return points
     return np.stack([beam.at("reference_x", s), beam.at("reference_y", s), s], axis=-1)
 
 
@@ -128,7 +133,7 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
     s = np.clip(given, 0.0, beam.length)
     for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
         raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
-    found, order, last = [], np.argsort(s, kind="stable"), len(division.segments) - 1
+    found, order, last = [], np.argsort(s, kind="stable").tolist(), len(division.segments) - 1
     for i, segment in enumerate(division.segments):
         root = division.points[i - 1] if i else np.zeros(3)
         within = [k for k in order if segment.start <= s[k] < segment.end or (i == last and s[k] == segment.end)]
@@ -142,11 +147,12 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
 
 def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Points and weights from a to b that respect the kinks of the table: 4 Gauss points in each piece."""
-    stations = beam.z - beam.z[0]
-    marks = np.concatenate([[a], stations[(stations > a) & (stations < b)], [b]])
-    edges = np.append((marks[:-1, None] + np.diff(marks)[:, None] / pieces * np.arange(pieces)).ravel(), b)
+    stations = beam.distances
+    marks = np.concatenate([[a], stations[stations.searchsorted(a, "right") : stations.searchsorted(b)], [b]])
+    parts = (marks[1:] - marks[:-1])[:, None] / pieces
+    edges = np.concatenate([(marks[:-1, None] + parts * np.arange(pieces)).ravel(), [b]])
     x, w = GAUSS
-    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
+    middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
 
 
@@ -194,17 +200,19 @@ def _gauss_rule(
 ) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     L = beam.length
     s, w = _quadrature(beam, start, end, pieces=max(4, count))
-    EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
+    stiffness = {name: beam.at(name, s) for name in STIFFNESSES if getattr(beam, name) is not None}
+    EI = np.sqrt(stiffness["stiffness_x"] * stiffness["stiffness_y"])
     taper = (1 - s / L) ** (2 if free_tip else 0)
     nodes = start + gauss_points(s - start, w * taper / EI, end - start, count)[0]
     cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
-    spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
+    spread = np.ones((count, s.size))
+    for p, row in zip(nodes, spread, strict=True):
+        for q in nodes[nodes != p]:
+            row *= (s - q) / (p - q)
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
-    for name in STIFFNESSES:
-        if getattr(beam, name) is None:
-            continue
+    for name, here in stiffness.items():
         bending = name in ("stiffness_x", "stiffness_y")
-        weight = w / beam.at(name, s) * (taper if bending else 1.0)
+        weight = w / here * (taper if bending else 1.0)
         rule = spread @ weight
         if rule.min() <= 0:  # far from the weight of the points: each point stands for what is nearest to it
             rule = np.bincount(cells, weights=weight, minlength=count)
@@ -232,6 +240,8 @@ def gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> tu
 
 def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:
     """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending; (n, 3, 3) for n."""
+    if _is_straight(beam):
+        return np.broadcast_to(np.eye(3), (*np.shape(s), 3, 3)).copy()
     step = 1e-6 * beam.length
     tangent = elastic_axis(beam, np.minimum(s + step, beam.length)) - elastic_axis(beam, np.maximum(s - step, 0.0))
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
@@ -289,10 +299,15 @@ def _straight(beam: BeamProperties, a: float, b: float) -> Segment:
 
 def _within(beam: BeamProperties, names: tuple[str, ...], a: float, b: float) -> tuple[Any, ...]:
     """Something that is equal where these properties between a and b are."""
-    z = beam.z - beam.z[0]
-    part = slice(max(int(np.searchsorted(z, a, "right")) - 1, 0), int(np.searchsorted(z, b, "left")) + 1)
-    columns = (getattr(beam, name) for name in names)
-    return a, b, z[part].tobytes(), *(None if column is None else column[part].tobytes() for column in columns)
+    z, known, table = _rows_of(beam, names)
+    return a, b, known, table[max(bisect_right(z, a) - 1, 0) : bisect_left(z, b) + 1].tobytes()
+
+
+@lru_cache(maxsize=KEPT)
+def _rows_of(beam: BeamProperties, names: tuple[str, ...]) -> tuple[list[float], tuple[str, ...], np.ndarray]:
+    """Distances of the stations from the root, which properties are known, and rows of distance and these."""
+    z, known = beam.z - beam.z[0], tuple(name for name in names if getattr(beam, name) is not None)
+    return z.tolist(), known, np.column_stack([z, *(getattr(beam, name) for name in known)])
 
 
 class _Known:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,9 +88,14 @@ class BeamProperties:
         """From root to tip along z [m]."""
         return float(self.z[-1] - self.z[0])
 
+    @cached_property
+    def distances(self) -> np.ndarray:
+        """Of the stations from the root [m]."""
+        return self.z - self.z[0]
+
     def at(self, name: str, s: Any) -> np.ndarray:
         """A property at the distance s [m] from the root."""
-        return np.interp(s, self.z - self.z[0], getattr(self, name))
+        return np.interp(s, self.distances, getattr(self, name))
 
     def outline(self, s: Any) -> tuple[np.ndarray, np.ndarray]:
         """Sizes [m] along the principal axes x and y at the distance s, for pictures: estimates from the inertia.

@@ -17,7 +17,7 @@ from fowtlib.language import Array, eq, like, param, shapes
 from fowtlib.language import math as m
 from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.expressions import StartNumbers
+from fowtlib.language.expressions import StartNumbers, value_of
 
 TUBE = ("heights", "diameters", "wall_thicknesses", "density", "young_modulus", "shear_modulus")
 Key = tuple[str, str]
@@ -205,6 +205,10 @@ def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cu
 
 
 def _chain_numbers(tube: TubeChain) -> list[float]:
+    return value_of(tube, "chain", lambda: _chain_found(tube))
+
+
+def _chain_found(tube: TubeChain) -> list[float]:
     chain = tube.chain()
     if tuple(chain) != tube._chain_keys:
         raise ParameterError(

@@ -12,6 +12,7 @@ from fowtlib.components.mechanics.beam_settings import WallMaterial
 from fowtlib.components.mechanics.tube_beam import TUBE, TubeChain
 from fowtlib.language import Scalar, like, param
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.expressions import value_of
 
 _STATIONS = 161  # of the table; the mass of a hull with cones is within 1e-5 of the exact one
 _SURFACE = 1e-6  # of the length: over so much the mass per length falls at the surface of the ballast
@@ -38,6 +39,10 @@ class BallastedTube(TubeChain):
 
 def ballasted(tube: BallastedTube) -> tuple[BeamProperties, float, float]:
     """The tube with stiffeners and ballast, the mass of the steel [kg], and the level of the ballast [m]."""
+    return value_of(tube, "ballasted", lambda: _ballasted(tube))
+
+
+def _ballasted(tube: BallastedTube) -> tuple[BeamProperties, float, float]:
     heights, diameters, walls = (tuple(np.ravel(tube.parameter_value(name)).tolist()) for name in TUBE[:3])
     others = (*TUBE[3:], "stiffener_fraction", "ballast_mass", "ballast_density")
     try:

@@ -13,7 +13,7 @@ Arrays over frequencies have these in the middle, (rows, q, channels), so that w
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +21,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from fowtlib.analysis.spectra import widths
+from fowtlib.frequency.answers_to_laws import AnswersToLaws
 from fowtlib.frequency.drag import best_gain, gains_of
 from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
@@ -73,15 +74,17 @@ class Forcing:
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Slopes of a scalar by the matrices, by the drive, by the densities (q, k, k), by means of laws.
+    """Slopes of a scalar by the matrices, by the drive, by the densities, by means of laws.
 
-    drive: of each process, (n, q, k) of the inputs that it drives and of its channels. d scalar = Re sum(conj(drive)
-    d drive) + Re sum(density d density).
+    drive: of processes, (n, q, k) of the inputs that it drives and of its channels. d scalar = Re sum(conj(drive)
+    d drive), and by the densities Re sum(direct d density), direct (q, k, k), with sum(laws d covariance) / 2 of the
+    inputs of the laws; see RandomResponse.by_density.
     """
 
     bars: Bars
     drive: Mapping[str, np.ndarray]
-    density: np.ndarray
+    direct: np.ndarray
+    laws: np.ndarray
     means: np.ndarray
 
 
@@ -104,6 +107,7 @@ class RandomResponse:
         self.gains = list(gains) if gains is not None else [
             best_gain(GUESS**2 * np.eye(place.stop - place.start), self.means[place]) for place in places
         ]  # fmt: skip
+        self.answers: AnswersToLaws | None = None  # by which slopes of the fixed point were made
         self.iterations = self._settle(newton)
 
     # --- forward ---------------------------------------------------------------------------------------------------
@@ -126,7 +130,7 @@ class RandomResponse:
             if change > FAR or change > last:
                 self.gains, self.newton = mixing(self.gains, found), None
             else:
-                if self.newton is None or change > last / SLOW:
+                if self.newton is None or change > max(last / SLOW, self._rounding):
                     self.newton = self._map()
                 step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
@@ -217,18 +221,20 @@ class RandomResponse:
         sizes = [place.stop - place.start for _, place in self.excited.laws]
         return [block[:n, :n] for block, n in zip(whole, sizes, strict=True)]
 
-    def _injected(self) -> Iterator[tuple[slice, np.ndarray]]:
-        """Answers (outputs, laws, q), some frequencies after the other, to what is added to the laws in closed loop."""
-        excited = self.excited
-        n, m = excited.driven, excited.results
-        B, D = excited.linear.matrices["B"], excited.linear.matrices["D"]
+    def _added(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What is added to the laws as they answer it at once, and B and D of it in closed loop."""
+        n, m = self.excited.driven, self.excited.results
+        B, D = (self.excited.linear.matrices[name] for name in "BD")
         G = self._gain_matrix()
         through = np.linalg.inv(np.eye(len(G)) - G @ D[m:, n:])
-        B_in = B[:, n:] @ through
-        D_closed = D[:, n:] + D[:, n:] @ (through @ G) @ D[m:, n:]
+        return through, B[:, n:] @ through, D[:, n:] + D[:, n:] @ (through @ G) @ D[m:, n:]
+
+    def _injected(self) -> Iterator[tuple[slice, np.ndarray]]:
+        """Answers (outputs, laws, q), some frequencies after the other, to what is added to the laws in closed loop."""
+        through, B_in, D_closed = self._added()
         C, operators = self.closed.matrices["C"], self.closed.operators
         if operators is not None:
-            D_input = excited.linear.operators.D_input[:, n:] @ through
+            D_input = self.excited.linear.operators.D_input[:, self.excited.driven :] @ through
         if self.resolvent.basis is not None:
             roots, right, left = self.resolvent.basis
             of, shares = _alike(1 / (1j * self.omega - roots[:, None]))
@@ -259,9 +265,8 @@ class RandomResponse:
 
         Beside it, what of the results answers to the laws, and the slopes of each gain.
         """
-        m, width, laws = self.excited.results, self._width, self.excited.laws
+        width, laws = self._width, self.excited.laws
         count = len(laws)
-        self.by_laws = np.zeros((self.omega.size, m, len(self.out) - m), dtype=complex)
         self.by_covariance, self.by_mean = np.zeros((count, *[width] * 4)), np.zeros((count, *[width] * 3))
         spread = np.zeros((count, width), dtype=int)  # rows of laws, of those that are narrower -1
         covariances = self._covariances()
@@ -270,6 +275,23 @@ class RandomResponse:
             spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
             slopes = gain_slopes(covariances[k], self.means[place])
             self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        product = self._laws_with_laws(spread)
+        # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
+        product = product.reshape(count, count, width, width, width, width)  # i j r c e s
+        by_gain = np.einsum("ijrces->irsjce", product)
+        by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
+        by_gain = by_gain.reshape(count, width**2, -1)
+        phi = self.by_covariance.reshape(count, width**2, width**2) @ by_gain
+        return phi.reshape(count * width**2, count * width**2)
+
+    def _laws_with_laws(self, spread: np.ndarray) -> np.ndarray:
+        """Re sum of answers T to the laws times spectra Z of their inputs; see AnswersToLaws.with_spectra."""
+        (count, width), m = spread.shape, self.excited.results
+        if self.closed.operators is None and self.resolvent.modes is not None:
+            _, B, D = self._added()
+            self.answers = AnswersToLaws.of(self.resolvent, B, self.closed.matrices["C"], D)
+            return self.answers.with_spectra(self.out[m:], self.weighted, m, spread)
+        self.by_laws = np.zeros((self.omega.size, m, len(self.out) - m), dtype=complex)
         rows = spread.ravel()
         there = (rows >= 0)[:, None, None]
         product = np.zeros((count, count, width**2, width**2))
@@ -283,13 +305,7 @@ class RandomResponse:
             Z = Z.reshape(-1, count, width, count, width).transpose(3, 1, 2, 4, 0)
             T, Z = (np.ascontiguousarray(block).reshape(count, count, width**2, -1).view(float) for block in (T, Z))
             product += T @ Z.swapaxes(2, 3)
-        # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
-        product = product.reshape(count, count, width, width, width, width)  # i j r c e s
-        by_gain = np.einsum("ijrces->irsjce", product)
-        by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
-        by_gain = by_gain.reshape(count, width**2, -1)
-        phi = self.by_covariance.reshape(count, width**2, width**2) @ by_gain
-        return phi.reshape(count * width**2, count * width**2)
+        return product
 
     @cached_property
     def _of_fixed_point(self) -> tuple[np.ndarray, np.ndarray]:
@@ -298,8 +314,9 @@ class RandomResponse:
 
     # --- adjoint ---------------------------------------------------------------------------------------------------
 
-    def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None) -> Slopes:
-        """Slopes of a scalar that has these slopes by the moments of a result.
+    def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None,
+               by_drive: Collection[str] | None = None) -> Slopes:  # fmt: skip
+        """Slopes of a scalar that has these slopes by the moments of a result; by_drive: of these processes, None: all.
 
         Those by the outputs are `bar` for the result, and the inputs of laws times their density times a constant
         matrix Q, so that their products with what is put in are Q times products that are the same for all scalars.
@@ -309,8 +326,8 @@ class RandomResponse:
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
         weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
         bar = 2 * weight[:, None] * _with_density(H[None], S)[0]
-        density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
-        Q, means = self._through_laws(result, bar, density)
+        direct_density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
+        Q, means = self._through_laws(result, bar)
         rows = np.r_[result, m : len(self.out)]  # of the outputs that it depends on
         base, operators, every = excited.linear, self.closed.operators, slice(None)
 
@@ -337,6 +354,8 @@ class RandomResponse:
         of_both, of_rows = back @ acting[:, n:].T, back @ D[:, n:].T
         drive = {}
         for path, channels in forcing.columns.items():
+            if by_drive is not None and path not in by_drive:
+                continue
             driven = forcing.driven[path]
             direct = D[:, driven].T
             drive[path] = times((acting[:, driven].T + direct[:, 1:] @ of_both) @ lift, both[:, :, channels])
@@ -347,7 +366,30 @@ class RandomResponse:
         whole = np.zeros((len(self.out) + len(sums) - nx, sums.shape[1]))
         whole[rows], whole[len(self.out) :] = of_bars, sums[nx:]
         bars = Bars(sums[:nx, :nx], sums[:nx, nx:], whole[:, :nx], whole[:, nx:])
-        return Slopes(bars, drive, density, means)
+        return Slopes(bars, drive, direct_density, Q, means)
+
+    def by_density(self, slopes: Sequence[Slopes], columns: slice, change: np.ndarray) -> np.ndarray:
+        """Changes of scalars with that of the densities of these channels, (q, k, k).
+
+        What it does to the covariances of the laws is the same for all.
+        """
+        u = np.ascontiguousarray(self.out[self.excited.results :, :, columns])
+        of_covariance = np.zeros((len(u), len(u)))
+        blocks = self._of_each_law(_with_density(u, change * self.forcing.widths[:, None, None]), u)
+        for (_, place), block in zip(self.excited.laws, blocks, strict=True):
+            of_covariance[place, place] = block
+        return np.array([np.sum((of.direct[:, columns, columns] * change).real)
+                         + np.sum(of.laws * of_covariance) / 2 for of in slopes])  # fmt: skip
+
+    def density_slopes(self, of: Slopes) -> np.ndarray:
+        """Slopes of a scalar by all densities (q, k, k)."""
+        u = self.out[self.excited.results :]
+        turned = np.empty_like(u)
+        for _, rows in self.excited.law_rows:
+            blocks = of.laws[rows[:, :, None], rows[:, None, :]] @ _grouped(u, rows)
+            turned[rows] = blocks.view(complex).reshape(*rows.shape, *u.shape[1:])
+        through_laws = turned.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
+        return of.direct + self.forcing.widths[:, None, None] / 2 * through_laws
 
     def _with_inputs(self, rows: np.ndarray, lift: np.ndarray | None = None) -> np.ndarray:
         """Re sum of rows (n, q, k) times the conjugates of the states and of all that is put in; of lift times rows.
@@ -381,11 +423,8 @@ class RandomResponse:
     def _swept_sums(self) -> np.ndarray:
         return self._with_inputs(self._swept)
 
-    def _through_laws(self, result: int, bar: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The matrix Q, and slopes by the means, of what a scalar has by the covariances of the laws; see `slopes`.
-
-        Adds what it has by the density.
-        """
+    def _through_laws(self, result: int, bar: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The matrix Q, and slopes by the means, of what a scalar has by the covariances of the laws; see `slopes`."""
         m, laws = self.excited.results, self.excited.laws
         means, Q = np.zeros(self.means.size), np.zeros((len(self.out) - m,) * 2)
         if not laws:
@@ -393,7 +432,11 @@ class RandomResponse:
         factors = self._of_fixed_point  # and with it what answers to the laws
         u = self.out[m:]
         of_bar = np.ascontiguousarray((u.transpose(1, 0, 2) @ bar.conj()[:, :, None])[:, :, 0].T)
-        direct = self._of_each_law(np.ascontiguousarray(self.by_laws[:, result].conj().T), of_bar)
+        if self.answers is not None:
+            whole = self.answers.with_row(result, of_bar)
+            direct = [whole[place, place] for _, place in laws]
+        else:
+            direct = self._of_each_law(np.ascontiguousarray(self.by_laws[:, result].conj().T), of_bar)
         by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
         for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
             n = len(by_gain)
@@ -401,12 +444,6 @@ class RandomResponse:
             means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
             by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
             Q[place, place] = by_covariance + by_covariance.T
-        turned = np.empty_like(u)
-        for _, rows in self.excited.law_rows:
-            blocks = Q[rows[:, :, None], rows[:, None, :]] @ _grouped(u, rows)
-            turned[rows] = blocks.view(complex).reshape(*rows.shape, *u.shape[1:])
-        of_covariances = turned.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
-        density += self.forcing.widths[:, None, None] / 2 * of_covariances
         return Q, means
 
     @property

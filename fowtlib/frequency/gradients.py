@@ -6,7 +6,7 @@ model about it, the answers at all frequencies, the fixed point of the drag, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -32,12 +32,13 @@ from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.signal_slopes import SignalSlopes
 from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.run_time import RestingPlaces
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.differences import derivative
-from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.excited import ExcitedModel, Signal, excited_model
 from fowtlib.solving.known_slopes import Known as KnownOfRun
 from fowtlib.solving.linear import NOTHING
 from fowtlib.solving.pullback import Pullback
@@ -334,7 +335,7 @@ class _Evaluation:
                 unit = self.plant.outputs.entry(prepared.names[column]).unit
                 values[k], by_moments, weights[k, column] = with_slopes(item, moments, means[column], unit, slopes)
                 if slopes:
-                    driven[k] = self.response.slopes(column, by_moments, process)
+                    driven[k] = self.response.slopes(column, by_moments, process, self._moved_processes)
                     bars[k] = driven[k].bars
                     first = self.excited.results  # the inputs of the laws stand behind the results
                     weights[k, first : first + driven[k].means.size] = driven[k].means
@@ -394,13 +395,23 @@ class _Evaluation:
         items = [(number, k, item) for number in self.fields for k, item in enumerate(self.excited.fields[number][1])]
         kept = [(k, of) for k, of in enumerate(driven) if of is not None]
         frequency, at, columns = self.response.forcing.frequency, self.model.at, []
-        here = self._weighted(kept, self.response.forcing)
+        by_density = [self.response.density_slopes(of) for _, of in kept]
+
+        def weighted(now: Forcing) -> np.ndarray:
+            """Slopes by drive and densities times these: scalars that change with them as the results do."""
+            drives = {path: now.drive[:, now.driven[path], columns].transpose(1, 0, 2)
+                      for path, columns in now.columns.items()}  # fmt: skip
+            return np.array([sum(np.sum((of.drive[path].conj() * drive).real) for path, drive in drives.items())
+                             + np.sum((density * now.density).real)
+                             for (_, of), density in zip(kept, by_density, strict=True)])  # fmt: skip
+
+        here = weighted(self.response.forcing)
         for number, k, item in items:
             for row in range(item.places.positions.size):
 
                 def moved(value: float, number: int = number, k: int = k, row: int = row) -> np.ndarray:
                     excited = _with_position(self.excited, number, k, row, value)
-                    return self._weighted(kept, forcing(_processes(excited, self.run.tree), frequency))
+                    return weighted(forcing(_processes(excited, self.run.tree), frequency))
 
                 now = float(item.places.positions.ravel()[row])
                 columns.append(derivative(moved, now, here=here, size=PLACES, what=f"the wind at {item.path}"))
@@ -418,13 +429,6 @@ class _Evaluation:
         v, w = point.plain(weights)
         return Partial(v.T, w.T)
 
-    def _weighted(self, kept: Sequence[tuple[int, Slopes]], now: Forcing) -> np.ndarray:
-        """Slopes by drive and densities times these: scalars that change with them as the results do."""
-        driven = {path: now.drive[:, now.driven[path], columns].transpose(1, 0, 2)
-                  for path, columns in now.columns.items()}  # fmt: skip
-        return np.array([sum(np.sum((of.drive[path].conj() * drive).real) for path, drive in driven.items())
-                         + np.sum((of.density * now.density).real) for _, of in kept])  # fmt: skip
-
     def _through_processes(self, driven: Sequence[Slopes | None]) -> np.ndarray:
         """Slopes (k, m) through transfer functions and spectra of waves and wind, which are functions in Python.
 
@@ -438,20 +442,31 @@ class _Evaluation:
         found[kept] = self._through_signals(slopes) + self._through_densities(slopes)
         return found
 
-    def _through_signals(self, slopes: Sequence[Slopes]) -> np.ndarray:
-        """Those through what signals are per channel of their process."""
+    @cached_property
+    def _moved_signals(self) -> list[tuple[str, Signal, list[int], np.ndarray]]:
+        """Signals that change with elements: their process, themselves, numbers of these elements, and slopes by them.
+
+        Slopes (elements, q, signals, channels) are those per channel of the process.
+        """
         driving = _signals(self.excited, self.run.tree)  # others stay at rest, as stations in a field
         places = [(path, signal) for path, (_, signals) in driving.items() for signal in signals]
         by_element = SignalSlopes(self.run, [signal for _, signal in places], self.response.omega)
-        found = np.zeros((len(slopes), len(self.run.elements)))
         changes: list[list[tuple[int, np.ndarray]]] = [[] for _ in places]
         for column, item in enumerate(self.run.elements):
             for number, change in by_element.of(item).items():
                 changes[number].append((column, change))
-        for (path, signal), of_signal in zip(places, changes, strict=True):
-            if not of_signal:
-                continue
-            columns, moved = [column for column, _ in of_signal], np.array([change for _, change in of_signal])
+        return [(path, signal, [column for column, _ in of_signal], np.array([change for _, change in of_signal]))
+                for (path, signal), of_signal in zip(places, changes, strict=True) if of_signal]  # fmt: skip
+
+    @cached_property
+    def _moved_processes(self) -> frozenset[str]:
+        """Processes by whose drive slopes are asked for."""
+        return frozenset(self.response.forcing.columns if self.fields else (path for path, *_ in self._moved_signals))
+
+    def _through_signals(self, slopes: Sequence[Slopes]) -> np.ndarray:
+        """Those through what signals are per channel of their process."""
+        found = np.zeros((len(slopes), len(self.run.elements)))
+        for path, signal, columns, moved in self._moved_signals:
             first = self.response.forcing.driven[path].tolist().index(signal.columns.start)
             rows, channels = slice(first, first + moved.shape[2]), slice(moved.shape[3])
             bars = np.array([of.drive[path][rows, :, channels] for of in slopes])
@@ -466,49 +481,28 @@ class _Evaluation:
         for path, columns in known.columns.items():
 
             def density(root: Component, path: str = path) -> np.ndarray:
-                return 2 * np.pi * np.asarray(_processes(self.excited, root)[path].density(omega))
+                values = 2 * np.pi * np.asarray(_processes(self.excited, root)[path].density(omega), dtype=complex)
+                return np.ravel(values).view(float)
 
-            share = Share.of(density, [of.density[:, columns, columns] for of in slopes], self.run.tree)
-            items = [item for item in self.run.elements if item.path in share.paths]
+            with self.run.beside().here() as (root, read):
+                here = density(root)
+            paths = {join(*place) for place in read}
+            items = [item for item in self.run.elements if item.path in paths]
             name = ("density", path)
-            apart = self.run.kept_apart(name, KnownOfRun({}), items, share.here, share.weighted)
+            apart = self.run.kept_apart(name, KnownOfRun({}), items, here, density)
             for item in (one for one in items if one.name not in apart):
 
-                def weighted(value: float, item: Any = item, share: Share = share) -> np.ndarray:
-                    with self.run.tree_at(item, value) as root, one_evaluation():
-                        return share.weighted(root)
+                def moved(value: float, item: Any = item, density: Any = density) -> np.ndarray:
+                    with self.run.tree_at(item, value) as root:
+                        return density(root)
 
-                slope = self.run.slope(item, weighted, share.here)
-                found[:, self.run.elements.index(item)] += slope
-                if not slope.any():
+                slope = self.run.slope(item, moved, here)
+                if slope.any():
+                    change = slope.view(complex).reshape(omega.size, columns.stop - columns.start, -1)
+                    found[:, self.run.elements.index(item)] += self.response.by_density(slopes, columns, change)
+                else:
                     self.run.set_apart(name, item)
         return found
-
-
-@dataclass(frozen=True, eq=False)
-class Share:
-    """Numbers that are computed from a component tree, and slopes of results by them.
-
-    paths: of the parameters that they are computed from; here: the slopes times the numbers, as they are.
-    """
-
-    compute: Callable[[Component], np.ndarray]
-    bars: np.ndarray
-    paths: frozenset[str]
-    here: np.ndarray
-
-    @staticmethod
-    def of(compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray], root: Component) -> Share:
-        """At a tree as it is."""
-        with parameters_read() as read, one_evaluation():
-            values = compute(root)
-        paths = frozenset(f"{owner}.{name}" if owner else name for owner, name in read)
-        rows = np.array([bar.conj().ravel() for bar in bars])
-        return Share(compute, rows, paths, (rows @ np.ravel(values)).real)
-
-    def weighted(self, root: Component) -> np.ndarray:
-        """The slopes times the numbers of another tree: scalars that change with them as the results do."""
-        return (self.bars @ np.ravel(self.compute(root))).real
 
 
 def _nearest(roots: np.ndarray, frequency: float, what: str) -> complex:

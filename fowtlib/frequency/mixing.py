@@ -79,8 +79,11 @@ class _Places:
 
     def matrices(self, flat: np.ndarray) -> list[np.ndarray]:
         """The matrices themselves."""
-        ends = np.cumsum([size**2 for size in self.sizes])[:-1]
-        return [part.reshape(size, size) for size, part in zip(self.sizes, np.split(flat, ends), strict=True)]
+        found, first = [], 0
+        for size in self.sizes:
+            found.append(flat[first : first + size**2].reshape(size, size))
+            first += size**2
+        return found
 
 
 @lru_cache(maxsize=16)

@@ -267,18 +267,17 @@ class Component(Composite):
         field = self.parameters[name]
         if field.bound and self._binding is not None:
             raise StructureError(self._binding[name].reason)
-        reads = expressions.reads_now()
+        found = (expressions.known_now() or {}).get((id(self), name))
+        if found is not None and expressions.reads_now() is None:  # the way that is gone most, made short
+            return found[0]
+        return expressions.remembered((id(self), name), self, lambda: self._evaluated(field))
+
+    def _evaluated(self, field: Parameter) -> Any:
+        """The number of what a parameter is set to, an expression or not, or what data stand for; noted as read."""
+        name, reads = field.name, expressions.reads_now()
         if reads is not None:
             reads.add((self.path, name))
-        found = (expressions.known_now() or {}).get((id(self), name))
-        if found is not None and reads is None:  # the way that is gone most, made short
-            return found[0]
-        key = id(self), name
-        return expressions.remembered(key, self, lambda: self._evaluated(field, self.parameter_binding(name)))
-
-    def _evaluated(self, field: Parameter, value: Any) -> Any:
-        """The number of a value that may be an expression, or what data stand for."""
-        name = field.name
+        value = self.parameter_binding(name)
         if isinstance(field, DataParameter):
             return field.read(self, value)
         if field.annotation in SHAPES:
@@ -479,9 +478,11 @@ class Component(Composite):
 
     def walk(self) -> Iterator[Component]:
         """The component and all parts below it, parents first."""
-        yield self
-        for child in self.parts.values():
-            yield from child.walk()
+        left: list[Component] = [self]
+        while left:
+            component = left.pop()
+            yield component
+            left.extend(reversed(component.parts.values()))
 
     def find(self, path: str) -> Component:
         """The component at a path below this one."""

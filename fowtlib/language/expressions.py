@@ -226,8 +226,8 @@ def one_evaluation() -> Iterator[dict[Any, Any]]:
 
 
 @contextmanager
-def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]]) -> Iterator[None]:
-    """An evaluation that has values of an earlier one, and notes in `reads` which parameters it asks for.
+def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]] | None = None) -> Iterator[None]:
+    """An evaluation that has values of an earlier one, and notes in `reads`, if given, which parameters it asks for.
 
     Whoever keeps both sees to it that nothing that was read has changed, and holds the components.
     """
@@ -244,19 +244,21 @@ def remembered(key: Any, held: Any, compute: Callable[[], Any]) -> Any:
 
     held: what the key names by its id, which stays its own.
     """
-    reads = _reads.get()
-    with one_evaluation() as known:
-        found = known.get(key)
-        if found is None or (reads is not None and found[1] is None):
-            own: set[tuple[str, str]] | None = None if reads is None else set()
-            token = _reads.set(own)
-            try:
-                found = known[key] = compute(), own, held
-            finally:
-                _reads.reset(token)
-        if reads is not None:
-            reads |= found[1]
-        return found[0]
+    reads, known = _reads.get(), _known.get()
+    if known is None:
+        with one_evaluation():
+            return remembered(key, held, compute)
+    found = known.get(key)
+    if found is None or (reads is not None and found[1] is None):
+        own: set[tuple[str, str]] | None = None if reads is None else set()
+        token = _reads.set(own)
+        try:
+            found = known[key] = compute(), own, held
+        finally:
+            _reads.reset(token)
+    if reads is not None:
+        reads |= found[1]
+    return found[0]
 
 
 def value_of(owner: Any, what: str, compute: Callable[[], Any]) -> Any:

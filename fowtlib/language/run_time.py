@@ -50,6 +50,19 @@ class RandomSignals(Protocol):
         """Signals per channel at circular frequencies (q,) [rad/s]: complex (q, signals, channels), exp(+i omega t)."""
 
 
+class SignalsOfNumbers(RandomSignals, Protocol):
+    """Such signals that follow from few numbers of a part, as places of its strips: only these are differenced."""
+
+    def numbers(self, component: Any) -> np.ndarray | None:
+        """Numbers (n,) from which, and from what is `besides` them, all signals follow; None: they are not known."""
+
+    def besides(self, component: Any) -> Any:
+        """What else they follow from, as the depth of the water; which parameters that reads is noted."""
+
+    def slopes(self, component: Any, omega: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        """Slopes (m, q, signals, channels) along changes (m, n) of the numbers."""
+
+
 @dataclass(frozen=True, eq=False)
 class TurningRings:
     """Places that turn about an axis along a flow: on rings of radii (r,) [m] about a centre (3,), one for each blade.

@@ -57,6 +57,19 @@ class Signal:
         """Signals per channel of the process, complex (q, signals, channels)."""
         return np.asarray(self.compute.response(self._component(root), omega))
 
+    def numbers(self, root: Component) -> np.ndarray | None:
+        """Numbers (n,) from which alone the signals follow, and from what is said `besides`; None: there are none."""
+        known = getattr(self.compute, "numbers", None)
+        return None if known is None else known(self._component(root))
+
+    def besides(self, root: Component) -> Any:
+        """What else signals with such numbers follow from."""
+        return self.compute.besides(self._component(root))
+
+    def slopes(self, root: Component, omega: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        """Slopes (m, q, signals, channels) of such signals along changes (m, n) of their numbers."""
+        return np.asarray(self.compute.slopes(self._component(root), omega, moved))
+
     def _component(self, root: Component) -> Any:
         return root.find(self.owner)
 

@@ -26,10 +26,12 @@ class Known:
 
     paths: of the parameters that it reads; values: what is set of these. slopes: by the name of an element, None of one
     that does not matter; apart: names of those that are known not to. there: the numbers themselves, where kept.
+    before: which numbers an element mattered to, at the values before; None: to none of them.
     """
 
     values: dict[str, Any]
     paths: set[str] = field(default_factory=set)
+    before: dict[str, np.ndarray | None] = field(default_factory=dict)
     slopes: dict[str, Any] = field(default_factory=dict)
     apart: set[str] | None = None
     there: Any = None
@@ -38,6 +40,12 @@ class Known:
         """That these parameters are read: owner and name."""
         self.paths |= {join(*place) for place in read}
         self.values = relevant(contents, self.paths)
+
+    @property
+    def mattered(self) -> dict[str, np.ndarray | None]:
+        """Which numbers an element matters to, or did before; of those that are kept with frequencies, all or none."""
+        return {**self.before, **{name: slope if slope is None else np.array([True]) if isinstance(slope, tuple)
+                                  else slope != 0 for name, slope in self.slopes.items()}}  # fmt: skip
 
 
 class KnownSlopes:
@@ -50,7 +58,8 @@ class KnownSlopes:
         """What is known under a name, for a run with these parameters."""
         known = self._known.get(name)
         if known is None or relevant(contents, known.paths) != known.values:
-            known = self._known[name] = Known(relevant(contents, ()))
+            before = {} if known is None else known.mattered
+            known = self._known[name] = Known(relevant(contents, ()), before=before)
         return known
 
 

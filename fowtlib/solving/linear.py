@@ -268,7 +268,7 @@ class Resolvent:
         if self.basis is None or B.shape[1] > len(B):
             return self.amplitudes(times(B, drive))
         if self.modes is not None:
-            return self.modes.answers(self._functions, times(self.modes.of @ B, drive))
+            return self.modes.answers(self.functions, times(self.modes.of @ B, drive))
         found = times(self.basis[2] @ B, drive)
         found *= self._shares[:, :, None]
         return found
@@ -278,7 +278,7 @@ class Resolvent:
         if self.basis is None:
             return self._solved(b)
         if self.modes is not None:
-            return self.modes.answers(self._functions, times(self.modes.of, b))
+            return self.modes.answers(self.functions, times(self.modes.of, b))
         return times(self.basis[2], b) * self._shares[:, :, None]
 
     def __call__(self, b: np.ndarray) -> np.ndarray:
@@ -295,7 +295,7 @@ class Resolvent:
         if self.basis is None:
             return self._solved(b, adjoint=True), np.eye(len(self.A))
         if self.modes is not None:
-            return self.modes.answers(self._functions.conj(), b), self.modes.of.T
+            return self.modes.answers(self.functions.conj(), b), self.modes.of.T
         return times(self.basis[2].conj().T, b * self._shares.conj()[:, :, None]), np.eye(len(self.A))
 
     def between(self, C: np.ndarray, B: np.ndarray, part: slice = slice(None)) -> np.ndarray:
@@ -317,7 +317,8 @@ class Resolvent:
         return found
 
     @cached_property
-    def _functions(self) -> np.ndarray:
+    def functions(self) -> np.ndarray:
+        """Those of the real modes, where there are any."""
         return self.modes.functions(self.omega)
 
     @cached_property

@@ -39,37 +39,44 @@ class Directions:
 class _Torn:
     """Expressions of (v, w) as functions: Jacobians, and gradients of sums of the entries of the one by what moves.
 
-    moving: numbers of the entries of [v; w] in whose directions anything moves.
+    moving: numbers of the entries of [v; w] in whose directions anything moves. alone: rows that have a function each,
+    as a scalar asks for hardly more than one of them.
     """
 
-    def __init__(self, functions: Functions, rows: ca.SX, moving: np.ndarray):
+    def __init__(self, functions: Functions, rows: ca.SX, moving: np.ndarray, alone: slice = slice(0)):
         self._arguments = [functions.t, functions.x, functions.z, functions.q, functions.w]
-        self._rows, self._moving = ca.vec(ca.densify(rows)), moving
+        self._rows, self._moving, self._alone = ca.cse(ca.vec(ca.densify(rows))), moving, alone
         v = ca.vertcat(functions.x, functions.z, functions.q)
         self._both, self.nv = ca.vertcat(v, functions.w), v.numel()
         jacobian = ca.jacobian(self._rows, self._both)  # without "cse": of a million instructions it takes minutes
         self.jacobian = ca.Function("jacobian", self._arguments, [jacobian[:, : self.nv], jacobian[:, self.nv :]])
 
     @cached_property
-    def _second(self) -> tuple[ca.Function, np.ndarray, np.ndarray]:
-        """Gradients by [v; w] of the sum of entries times weights, and rows and columns of these entries."""
+    def _second(self) -> tuple[np.ndarray, np.ndarray, list[tuple[ca.Function, np.ndarray]]]:
+        """Rows and columns of the entries, and gradients by [v; w] of sums of some of them times weights, and which."""
         jacobian = ca.jacobian(self._rows, self._both[self._moving.tolist()])
         row, column = (np.array(numbers, dtype=int) for numbers in jacobian.sparsity().get_triplet())
-        weights = ca.SX.sym("weights", len(row))
-        slope = ca.gradient(ca.dot(weights, ca.vertcat(*jacobian.nonzeros())), self._both)
-        return ca.Function("second", [*self._arguments, weights], [ca.densify(slope)]), row, column
+        entries, made = ca.vertcat(*jacobian.nonzeros()), []
+        alone = range(*self._alone.indices(self._rows.numel()))
+        for chosen in (~np.isin(row, alone), *(row == one for one in alone)):
+            which = np.flatnonzero(chosen)
+            weights = ca.SX.sym("weights", which.size)
+            slope = ca.gradient(ca.dot(weights, entries[which.tolist()]), self._both)
+            made.append((ca.Function("second", [*self._arguments, weights], [ca.densify(slope)]), which))
+        return row, column, made
 
     def pulled(self, point: list[np.ndarray], directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Gradients by [v; w] (n_v + n_w, k) of the sums over all columns, for weights (k, rows, columns)."""
         total = np.zeros((len(directions), len(weights)))
         if not np.any(weights):
             return total
-        second, row, column = self._second
+        row, column, made = self._second
         moved = sparse.csr_matrix(directions[self._moving])
         for k, weight in enumerate(weights):
             entries = (moved @ weight.T)[column, row]
-            if np.any(entries):
-                total[:, k] = second(*point, entries).full().ravel()
+            for second, which in made:
+                if np.any(entries[which]):
+                    total[:, k] += second(*point, entries[which]).full().ravel()
         return total
 
 
@@ -78,14 +85,15 @@ class Pullback:
 
     rows: expressions of the flat model. key: what they are, for what was made before. columns: symbols of [u; d; p]
     that move; x, z and the outputs of externals always do. Parameters count as symbols, also those that are zero.
+    alone: rows of which a scalar asks for one or so.
     """
 
     def __init__(self, at: AtParameters, key: tuple[object, ...], rows: Callable[[], ca.SX],
-                 columns: Sequence[ca.SX] = ()):  # fmt: skip
+                 columns: Sequence[ca.SX] = (), alone: slice = slice(0)):  # fmt: skip
         functions = at.general
         self.at, self.functions, self.dae = at, functions, at.dae
         self._columns = columns
-        self.rows = functions.once(("pullback", *key), lambda: _Torn(functions, rows(), self._moving))
+        self.rows = functions.once(("pullback", *key), lambda: _Torn(functions, rows(), self._moving, alone))
         self.levels = functions.once(("pullback levels", *(item.element_hash() for item in columns)), self._levels)
 
     @property

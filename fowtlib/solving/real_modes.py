@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+EXACT = 1e-15  # of the largest share of functions of frequency, below which one is rounding
+
 
 @dataclass(frozen=True, eq=False)
 class RealModes:
@@ -48,17 +50,53 @@ class RealModes:
         A symmetric matrix at each frequency: with the conjugate functions it answers backwards, from shapes' to of'.
         """
         p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
-        (P, Q, alone), (g, h) = np.split(functions[:, :, None], [p, 2 * p]), (parts[:p], parts[p : 2 * p])
-        found[:p] = P * g + Q * h
-        found[p : 2 * p] = Q * g - P * h
-        found[2 * p :] = alone * parts[2 * p :]
+        first, second, rest = slice(p), slice(p, 2 * p), slice(2 * p, None)
+        P, Q, alone = (functions[part, :, None] for part in (first, second, rest))
+        g, h = parts[first], parts[second]
+        found[first] = P * g + Q * h
+        found[second] = Q * g - P * h
+        found[rest] = alone * parts[rest]
         return found
 
     def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
         """C (i omega - A)^-1 B as sums of the functions, for C (m, n) and B (n, k): (m, k, n)."""
         p = len(self.pairs)
-        (c, d, e), (g, h, b) = (
-            np.split((C @ self.shapes)[:, None], [p, 2 * p], 2),
-            np.split((self.of @ B).T, [p, 2 * p], 1),
-        )
+        parts = slice(p), slice(p, 2 * p), slice(2 * p, None)
+        by_shape, of = (C @ self.shapes)[:, None], (self.of @ B).T
+        (c, d, e), (g, h, b) = [by_shape[..., part] for part in parts], [of[:, part] for part in parts]
         return np.concatenate([c * g - d * h, c * h + d * g, e * b], axis=2)
+
+    def faster(self, rate: float) -> np.ndarray:
+        """Which of the functions belong to roots above a rate [rad/s] (n,)."""
+        pairs = np.abs(self.pairs) > rate
+        return np.concatenate([pairs, pairs, np.abs(self.reals) > rate])
+
+
+@dataclass(frozen=True, eq=False)
+class FewFunctions:
+    """The functions of modes as real sums of fewer: functions (n, q) = of (n, f) @ values (f, q), to rounding.
+
+    Those of roots far above all frequencies are nearly straight lines; the others stay as they are. The last one is 1,
+    of what answers at once.
+    """
+
+    of: np.ndarray
+    values: np.ndarray
+
+    @staticmethod
+    def made(functions: np.ndarray, fast: np.ndarray) -> FewFunctions:
+        """Those of functions (n, q), of which those that are fast (n,) are put together."""
+        together = np.hstack([functions[fast].real, functions[fast].imag])
+        size = np.maximum(np.abs(together).max(axis=1, initial=0.0), 1e-300)[:, None]
+        left, share, right = np.linalg.svd(together / size, full_matrices=False)
+        count = int(np.sum(share > EXACT * share.max(initial=0.0)))
+        slow, q = int(np.sum(~fast)), functions.shape[1]
+        of, values = np.zeros((len(functions), slow + count + 1)), np.ones((slow + count + 1, q), dtype=complex)
+        of[~fast, :slow], values[:slow] = np.eye(slow), functions[~fast]
+        of[fast, slow:-1] = size * left[:, :count] * share[:count]
+        values[slow:-1] = right[:count, :q] + 1j * right[:count, q:]
+        return FewFunctions(of, values)
+
+    def summed(self, rows: np.ndarray) -> np.ndarray:
+        """Re sum of each function times rows (n, q): (f, n)."""
+        return self.values.real @ rows.real.T - self.values.imag @ rows.imag.T

@@ -86,7 +86,9 @@ class LinearGradient:
         q = np.concatenate([state.u, state.d])
         self.nx, self.nz = state.x.size, state.z.size
         key = (self.slopes.shown, self.slopes.inputs, tuple(further.symbols))
-        pullback = Pullback(at, key, lambda: self.slopes.rows, self.slopes.columns)
+        first = state.x.size + state.z.size
+        results = slice(first, first + len(self.slopes.shown) - len(further.outputs))
+        pullback = Pullback(at, key, lambda: self.slopes.rows, self.slopes.columns, results)
         self.point = pullback.point(state.t, state.x, state.z, q)
         by_x, by_z, by_u = self.slopes(state.t, state.x, state.z, q)
         ode, alg, out = slice(0, self.nx), slice(self.nx, self.nx + self.nz), slice(self.nx + self.nz, None)
@@ -102,18 +104,12 @@ class LinearGradient:
         """How v and w move with each state and each column of inputs."""
         dae, nx, nz = self.dae, self.nx, self.nz
         columns = self.slopes.columns
-        places = {}
-        for first, group in ((nx + nz, self.at.general.q), (None, dae.w)):
-            for k, element in enumerate(group.elements()):
-                places[element.element_hash()] = (first, k)
+        asked = tuple(symbol.element_hash() for symbol in columns)
+        places = self.at.general.once(("places of columns", asked), lambda: self._places(asked))
         nv = nx + nz + self.at.general.q.numel()
         v, w = np.zeros((nv, len(columns))), np.zeros((dae.w.numel(), len(columns)))
-        for column, symbol in enumerate(columns):
-            first, k = places[symbol.element_hash()]
-            if first is None:
-                w[k, column] = 1.0
-            else:
-                v[first + k, column] = 1.0
+        for column, (of_w, k) in enumerate(places):
+            (w if of_w else v)[k, column] = 1.0
         further = self.slopes.further
         if further.mixing is not None:
             q = np.concatenate([self.state.u, self.state.d])
@@ -124,6 +120,13 @@ class LinearGradient:
         v, w = np.hstack([of_states, v]), np.hstack([np.zeros((len(w), nx)), w])
         v[nx : nx + nz] = self.dz
         return Directions(v, w)
+
+    def _places(self, asked: Sequence[int]) -> list[tuple[bool, int]]:
+        """Where symbols of these hashes stand: whether in w, else in v, and their numbers there."""
+        found, first = {}, self.nx + self.nz
+        for of_w, start, group in ((False, first, self.at.general.q), (True, 0, self.dae.w)):
+            found |= {element.element_hash(): (of_w, start + k) for k, element in enumerate(group.elements())}
+        return [found[symbol] for symbol in asked]
 
     def of_matrices(self, bars: Sequence[Bars]) -> Partial:
         """Slopes of scalars that have these slopes by the matrices."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import copy
 import threading
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,12 +25,14 @@ from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.series import Series
 from fowtlib.language.units import to_si
+from fowtlib.solving.beside import Beside
 from fowtlib.solving.binding import RunTrees, start_numbers, tree_with
 from fowtlib.solving.bindings import Common
 from fowtlib.solving.differences import SHORT, derivative
 from fowtlib.solving.known_slopes import Contents, Known, KnownSlopes, contents_of
 from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.starts import mean_parameters
+from fowtlib.solving.together import slopes_together
 
 Plant = Any
 Values = Mapping[str, Any]
@@ -159,6 +161,8 @@ class TunedRun:
         self.mean = mean_parameters(plant, self.parameters)
         self.binding = plant.binding(self.mean)
         self._work: _Work = plant.functions.once("tuned runs", lambda: _Work(plant))
+        self._beside: dict[bool, Beside] = {}
+        self._found: dict[str, Known] = {}
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -205,7 +209,9 @@ class TunedRun:
 
     def _known(self, path: str) -> Known:
         """The same of a parameter, or of numbers, in the mean."""
-        return self._work.of_means.of(path, self._contents)
+        if path not in self._found:
+            self._found[path] = self._work.of_means.of(path, self._contents)
+        return self._found[path]
 
     def asked(self, omega: np.ndarray) -> np.ndarray:
         """All frequencies that this run and others with equal elements ask for, or did at the last elements."""
@@ -215,12 +221,19 @@ class TunedRun:
     @contextmanager
     def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
         """The same with another value of an element, for as long as the context lasts."""
-        common = self._of_run
-        if not common.is_plain(item.path):
-            yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
+        if not self._of_run.is_plain(item.path):
+            with one_evaluation():
+                yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
             return
-        with common.put({item.path: np.asarray(self._with(item, value))}) as tree:
+        with self.beside().at({item.path: np.asarray(self._with(item, value))}) as tree:
             yield tree
+
+    def beside(self, of_mean: bool = False) -> Beside:
+        """Evaluations of the tree of the run, or of its mean."""
+        common = self._common if of_mean else self._of_run
+        if of_mean not in self._beside or self._beside[of_mean].common is not common:
+            self._beside[of_mean] = Beside(common)
+        return self._beside[of_mean]
 
     def changed(self, item: Tuned, value: float) -> dict[str, Any]:
         """The parameters of the run, with another value of an element."""
@@ -242,15 +255,26 @@ class TunedRun:
         moved.T.flat[item.number] = value
         return moved
 
-    def moved(self, items: Iterable[Tuned]) -> dict[str, np.ndarray]:
-        """Whole parameters with all these elements elsewhere, by the steps of their slopes."""
+    def step(self, item: Tuned) -> float:
+        """By how much an element moves for a slope; negative where its upper bound is near."""
+        value = float(self.values[self.elements.index(item)])
+        step = SHORT * (abs(value) or 1.0)
+        return step if item.max is None or value + step <= item.max else -step
+
+    def moves_freely(self, item: Tuned, of_mean: bool = False) -> bool:
+        """Whether an element may move to both sides, as a value on a tree."""
+        value, step = float(self.values[self.elements.index(item)]), self.step(item)
+        if not item.tunable or step < 0 or (item.min is not None and value - step < item.min):
+            return False
+        return (self._common if of_mean else self._of_run).is_plain(item.path)
+
+    def shifted(self, shifts: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Whole parameters with elements shifted by so much, by their names."""
         found: dict[str, np.ndarray] = {}
-        for item in items:
-            value = float(self.values[self.elements.index(item)])
-            step = SHORT * (abs(value) or 1.0)
-            value += step if item.max is None or value + step <= item.max else -step
-            whole = found.setdefault(item.path, np.array(self.whole(item)))
-            whole.T.flat[item.number if whole.shape else 0] = value
+        for number, item in enumerate(self.elements):
+            if (shift := shifts.get(item.name)) is not None:
+                whole = found.setdefault(item.path, np.array(self.whole(item)))
+                whole.T.flat[item.number if whole.shape else 0] = self.values[number] + shift
         return found
 
     def kept_apart(self, name: Hashable, known: Known, items: Sequence[Tuned], here: np.ndarray,
@@ -265,7 +289,8 @@ class TunedRun:
             before = self._work.apart.setdefault(name, set())
             apart = [item for item in items if item.name in before and item.tunable and common.is_plain(item.path)]
             if apart:
-                with common.put(self.moved(apart)) as tree, one_evaluation(), parameters_read() as read:
+                moved = self.shifted({item.name: self.step(item) for item in apart})
+                with self.beside(of_mean).at(moved) as tree, parameters_read() as read:
                     if not np.array_equal(computed(tree), here):
                         apart = []
                 known.note(read, contents)
@@ -302,12 +327,14 @@ class TunedRun:
         """
         used, used_w = np.any(p != 0, axis=0), np.any(w != 0, axis=0)
         found = np.zeros((len(p), len(self.elements)))
+        if self.plant.root is not None:
+            self._learn_together(counting := self._counting(used))
         for column, item in enumerate(self.elements):
             if item.tunable and self.plant.root is None:
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
             elif item.tunable and self._acts_alone(item):
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
-                found[:, column] += self._through_numbers(item, p, used)
+                found[:, column] += self._through_numbers(item, p, counting)
             else:
                 found[:, column] = self._through_all(item, p, w, used_w, t)
         return found
@@ -327,14 +354,23 @@ class TunedRun:
         """Parameters that are computed from one."""
         return [path for path, by in self._common.needs.items() if item.path in by]
 
-    def _through_numbers(self, item: Tuned, p: np.ndarray, used: np.ndarray) -> np.ndarray:
-        """Slopes through other parameters, and through numbers, that are computed from an element."""
-        layout, followers = self.plant.layout.p, self._followers(item)
+    def _asked(self, item: Tuned, counting: frozenset[str]) -> dict[str, Known]:
+        """Other parameters, and numbers, that are computed from an element, of those that count."""
+        followers = self._followers(item)
         read = {item.path, *followers}
-        asked = [path for path in followers if used[layout[path]].any()]
-        asked += [path for path, place in self._numbers.items()
-                  if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
-        known = {path: self._known(path) for path in asked}
+        asked = [path for path in followers if path in counting]
+        asked += [path for path in self._numbers
+                  if path in counting and not read.isdisjoint(self.binding.reads.get(path, ()))]  # fmt: skip
+        return {path: self._known(path) for path in asked}
+
+    def _counting(self, used: np.ndarray) -> frozenset[str]:
+        """Paths of parameters and numbers on which results depend, of which it is said for each entry of p."""
+        places = {**self.plant.layout.p, **self._numbers}
+        return frozenset(path for path, place in places.items() if used[place].any())
+
+    def _through_numbers(self, item: Tuned, p: np.ndarray, counting: frozenset[str]) -> np.ndarray:
+        """Slopes through other parameters, and through numbers, that are computed from an element."""
+        known = self._asked(item, counting)
         self._learn(item, {path: one for path, one in known.items() if item.name not in one.slopes})
         found = np.zeros(len(p))
         for path, one in known.items():
@@ -342,18 +378,54 @@ class TunedRun:
                 found += p[:, self._place(path)] @ slope
         return found
 
+    def _learn_together(self, counting: frozenset[str]) -> None:
+        """Slopes by those elements of which it is known what they mattered to before."""
+        steps: dict[str, float] = {}
+        asked: dict[str, dict[str, Known]] = {}
+        for item in self.elements:
+            if not self.moves_freely(item, of_mean=True) or not self._acts_alone(item):
+                continue
+            known = {path: one for path, one in self._asked(item, counting).items() if item.name not in one.slopes}
+            if known and all(item.name in one.before for one in known.values()):
+                steps[item.name], asked[item.name] = self.step(item), known
+        if len(steps) < 2:
+            return
+        for path, one in {path: one for known in asked.values() for path, one in known.items()}.items():
+            self._meet(path, one)
+        affects = {name: {path: one.before[name] for path, one in known.items() if one.before[name] is not None}
+                   for name, known in asked.items()}  # fmt: skip
+        here = {path: np.atleast_1d(self.binding.p[self._place(path)]) for known in asked.values() for path in known}
+
+        def computed(shifts: Mapping[str, float], paths: Sequence[str]) -> list[np.ndarray]:
+            with self.beside(of_mean=True).at(self.shifted(shifts)) as tree:
+                return [self._computed(tree, path) for path in paths]
+
+        found = slopes_together(steps, affects, here, computed)
+        for name, slopes in (found or {}).items():
+            for path, one in asked[name].items():
+                one.slopes[name] = slopes.get(path)
+
+    def _meet(self, path: str, one: Known) -> None:
+        """What is computed, as it is, so that it is noted what it follows from."""
+        beside = self.beside(of_mean=True)
+        if path not in beside.met:
+            beside.met.add(path)
+            with beside.here() as (tree, read):
+                self._computed(tree, path)
+            one.note(read, self._contents)
+
     def _place(self, path: str) -> Any:
         """Where a parameter, or numbers, stand in p."""
         return self._numbers[path] if path in self._numbers else self.plant.layout.p[path]
 
     def _learn(self, item: Tuned, unknown: Mapping[str, Known]) -> None:
         """The slopes of what is computed from an element; None of what does not depend on it."""
-        bound, apart = self.plant.dae.bound, set[str]()
+        apart, beside = set[str](), self.beside(of_mean=True)
         for path, one in unknown.items():
+            self._meet(path, one)
             if path in self._numbers and path not in self.binding.sources:
                 kept = self.kept_apart(path, one, self.elements, self.binding.p[self._place(path)],
-                                       lambda tree, path=path: start_numbers(bound[path], tree.find(bound[path].owner)),
-                                       of_mean=True)  # fmt: skip
+                                       lambda tree, path=path: self._computed(tree, path), of_mean=True)  # fmt: skip
                 if item.name in kept:
                     one.slopes[item.name] = None
                     apart.add(path)
@@ -364,17 +436,10 @@ class TunedRun:
         given = np.array(self.binding.values[item.path])
 
         def computed(value: float) -> np.ndarray:
-            moved, columns = given.copy(), []
+            moved = given.copy()
             moved.T.flat[item.number] = value
-            with self._common.put({item.path: moved}) as tree, one_evaluation():
-                for path, one in asked.items():
-                    with parameters_read() as read:
-                        if path in self._numbers:
-                            columns.append(start_numbers(bound[path], tree.find(bound[path].owner)))
-                        else:
-                            columns.append(self._parameter(tree, path))
-                    one.note(read, self._contents)
-            return np.concatenate(columns)
+            with beside.at({item.path: moved}) as tree:
+                return np.concatenate([self._computed(tree, path) for path in asked])
 
         here = np.concatenate([np.atleast_1d(self.binding.p[self._place(path)]) for path in asked])
         slope = self.slope(item, computed, here)
@@ -384,7 +449,11 @@ class TunedRun:
             if path in self._numbers and not part.any():
                 self.set_apart(path, item)
 
-    def _parameter(self, tree: Component, path: str) -> np.ndarray:
+    def _computed(self, tree: Component, path: str) -> np.ndarray:
+        """Numbers, or a parameter that follows from others, with the values that a tree has."""
+        if path in self._numbers:
+            item = self.plant.dae.bound[path]
+            return start_numbers(item, tree.find(item.owner))
         owner, _, name = path.rpartition(".")
         now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
         return np.ravel(np.broadcast_to(now, self.binding.values[path].shape), order="F")

@@ -10,9 +10,19 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.fatigue.spectral import narrow_band
-from fowtlib.components.environment import World
+from fowtlib.components.environment import Sea, World
+from fowtlib.components.hydro import SlenderHullLoads
 from fowtlib.components.mechanics import Fixed, PointMass, TubeBeam
-from fowtlib.frequency import ModeDamping, ModeFrequency, OfSpectrum, PreparedGradient, Std, best_gain, response
+from fowtlib.frequency import (
+    EquivalentLoad,
+    ModeDamping,
+    ModeFrequency,
+    OfSpectrum,
+    PreparedGradient,
+    Std,
+    best_gain,
+    response,
+)
 from fowtlib.frequency.adjoint import _alike
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.language import (
@@ -33,6 +43,7 @@ from fowtlib.language import (
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
 from fowtlib.solving.differences import derivative
 from fowtlib.solving.stationary_gradients import pole
+from fowtlib.solving.together import slopes_together
 
 GRAVITY = 9.81
 
@@ -485,6 +496,71 @@ def test_the_sizes_of_a_spar_whose_hull_is_computed_when_a_run_starts():
     prepared = PreparedGradient(fw.load("two_rotor_spar_design"), ["mean pitch", "frequency heave"],
                                 ["diameter", "draft", "mooring.length"])  # fmt: skip
     check(prepared, step=3e-4)
+
+
+def test_the_load_on_a_fixed_hull_by_its_sizes_and_by_the_direction_of_the_waves():
+    """Its sizes move the strips, of which the waves have slopes; the direction moves the waves themselves."""
+    root = fw.Assembly("hull")
+    root.world, root.joint = World(water_depth=150.0), Fixed()
+    root.sea = Sea(spectrum="jonswap", significant_wave_height=4.0, peak_period=10.0, heading=0.3)
+    root.hull = SlenderHullLoads(heights=[-120.0, -12.0, -4.0, 10.0], diameters=[9.4, 9.4, 6.5, 6.5])
+    root.connect(root.joint.frame, root.hull.frame)
+    outputs = {"force": fw.Output("hull.force[0]", "kN"), "moment": fw.Output("hull.moment[0]", "kN*m")}
+    prepared = PreparedGradient(fw.Model(root, outputs=outputs), ["std force", "std moment"],
+                                ["hull.diameters", "hull.position[2]", "sea.heading"],
+                                frequencies=np.linspace(0.02, 0.4, 60))  # fmt: skip
+    values, jacobian = check(prepared)
+    assert jacobian[0, -1] == pytest.approx(-values[0] * np.tan(0.3), rel=1e-6)  # the force goes by its cosine
+    check(prepared, point=[9.0, 9.6, 6.8, 6.4, 1.0, -0.5])  # once it is known what matters to what
+
+
+@pytest.fixture(scope="module")
+def elastic_spar():
+    """The spar for design in its rated wind, by the sizes of hull and tower, at two designs; its slopes at the second.
+
+    There sizes that matter to different numbers move at once.
+    """
+    plant = fw.load("dtu10mw_spar_3_design").compile()
+    by = ["hull_diameters", "hull_walls", "tower_diameters", "tower_walls", "rna.turbine.rotor.radius"]
+    results = ["std pitch", "max upwind_tension", EquivalentLoad("tower_base_moment", 5.0)]
+    prepared = PreparedGradient(plant, results, by, parameters={"wind.mean_speed": 11.0})
+    prepared.evaluate()
+    point = prepared.start * (1 + 1e-3 * np.random.default_rng(2).standard_normal(prepared.start.size))
+    return prepared, point, *prepared.evaluate(point)
+
+
+def test_the_sizes_of_an_elastic_spar(elastic_spar):
+    """Along one direction in which all sizes change, against extrapolated differences of whole results."""
+    prepared, point, values, jacobian = elastic_spar
+    direction = point * np.random.default_rng(3).uniform(0.5, 1.0, point.size)
+
+    def difference(step):
+        above, below = (prepared.values(point + sign * step * direction) for sign in (1, -1))
+        return (above - below) / (2 * step)
+
+    a, b, c = (difference(step) for step in (2e-3, 1e-3, 5e-4))
+    one, two = (4 * b - a) / 3, (4 * c - b) / 3
+    # the gains of drag are known to 1e-9: 1e-6 of the last of these differences
+    np.testing.assert_allclose(jacobian @ direction, (16 * two - one) / 15, rtol=3e-6)
+
+
+def test_sizes_that_move_at_once_have_the_slopes_of_one_after_the_other(elastic_spar, monkeypatch):
+    prepared, point, _, jacobian = elastic_spar
+    found = []
+
+    def counted(*arguments):
+        found.append(slopes_together(*arguments))
+        return found[-1]
+
+    for module in ("fowtlib.solving.tuned", "fowtlib.frequency.signal_slopes"):
+        monkeypatch.setattr(f"{module}.slopes_together", counted)
+    prepared.evaluate(1.0001 * point)
+    assert [len(item) > 20 for item in found] == [True, True]  # signals, and numbers of the parts
+    for module in ("fowtlib.solving.tuned", "fowtlib.frequency.signal_slopes"):
+        monkeypatch.setattr(f"{module}.slopes_together", lambda *arguments: None)
+    _, alone = prepared.evaluate(point)
+    size = np.abs(alone * point).max(axis=1, keepdims=True)
+    assert np.abs((jacobian - alone) * point / size).max() < 1e-8  # the gains of drag are known to 1e-9
 
 
 def test_ballast_that_fills_until_the_draft_is_right():

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+<<<<<<< HEAD
 import re
 import warnings
+=======
+from dataclasses import replace
+>>>>>>> grad3
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,14 +17,21 @@ import pytest
 import fowtlib as fw
 import fowtlib.models
 from fowtlib.components.environment import World
+from fowtlib.components.environment.waves import unit_waves
 from fowtlib.components.hydro import (
     HydrodynamicDatabase,
     Hydrostatics,
     SlenderHullLoads,
     diffraction_coefficient,
 )
+<<<<<<< HEAD
 from fowtlib.components.hydro.hull_part import hull_strips
 from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody
+=======
+from fowtlib.components.hydro.hull_part import diffraction_slope, hull_strips
+from fowtlib.components.hydro.hull_waves import WaterAtStrips
+from fowtlib.components.mechanics import Fixed, FreeMotion
+>>>>>>> grad3
 from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.language.errors import ModelError
 
@@ -57,6 +69,41 @@ def test_the_force_of_maccamy_and_fuchs(radius, omega, force, angle):
 def test_the_coefficient_is_two_in_long_waves_and_smooth_there():
     assert diffraction_coefficient([0.0, 1e-6, 0.999e-3, 1.001e-3]) == pytest.approx([2, 2, 2, 2], abs=1e-5)
     assert diffraction_coefficient(1e-2) == pytest.approx(2.0, abs=1e-3)
+
+
+def test_the_slope_of_the_coefficient():
+    # against differences of its logarithm with an error of the fourth power of the step
+    x = np.array([2e-3, 0.03, 0.3, 1.0, 3.0, 20.0])
+    logs = [np.log(diffraction_coefficient(x * (1 + part * 1e-3))) for part in (2, 1, -1, -2)]
+    wanted = (8 * (logs[1] - logs[2]) - (logs[0] - logs[3])) / (12e-3 * x)
+    assert diffraction_slope(x) == pytest.approx(wanted, rel=1e-9, abs=1e-10)
+    assert diffraction_slope([0.0, 0.999e-3]) == pytest.approx([0, 0], abs=0)
+
+
+@pytest.mark.parametrize("depth", [130.0, np.inf])
+@pytest.mark.parametrize("what", ["velocity", "acceleration"])
+def test_slopes_of_the_water_at_the_strips(what, depth):
+    """Along a change of all sizes, the place and the coefficient: extrapolated differences of the signals."""
+    waves, signals = unit_waves(np.array([0.2, 0.5, 1.1, 2.0]), depth, 0.4, G), WaterAtStrips(what)
+    part = hull(low=-60.0, high=10.0, keel=False, position=(3.0, -2.0, -60.0), strips=5).hull
+    beside = dict(zip((2, 1, -1, -2), (_moved(part.numbers(), share * 1e-3) for share in (2, 1, -1, -2)), strict=True))
+
+    def difference(of):
+        found = {share: of(one) for share, one in beside.items()}
+        return (8 * (found[1] - found[-1]) - (found[2] - found[-2])) / 12e-3
+
+    moved = difference(signals.numbers)
+    wanted = difference(lambda one: signals(waves, one))
+    found = signals.slopes(waves, part, np.stack([moved, -2 * moved]))
+    assert np.abs(found[0] - wanted).max() < 1e-8 * np.abs(wanted).max()
+    assert found[1] == pytest.approx(-2 * found[0], rel=1e-12)
+
+
+def _moved(part, share):
+    """A part of a hull with other sizes, at another place."""
+    changed = replace(part, diameters=part.diameters * (1 + share * np.arange(1.0, 5.0)), low=part.low * (1 - share),
+                      position=part.position * (1 + 2 * share), added=part.added + share)  # fmt: skip
+    return SimpleNamespace(numbers=lambda: changed)
 
 
 def test_in_long_waves_the_load_is_morisons_with_an_inertia_coefficient_of_two():

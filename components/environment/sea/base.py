@@ -112,7 +112,9 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         transfer(waves): complex (n, columns), per unit amplitude at the frequencies of the waves (`WaveComponents`),
         with exp(+i omega t): sum_k Re(a_k exp(i (omega_k t + phase_k)) transfer_k). It is called when a run starts, for
         the sea of that run. `of`: a part whose values of that run it needs: transfer(waves, part); `name` must then be
-        one that this part uses once. Many components become a periodic cubic spline through the inverse FFT.
+        one that this part uses once. A transfer that follows from the waves and from numbers of the part alone may say
+        so, see WaterAtStrips: slopes by sizes of the part are then made of those of its numbers. Many components become
+        a periodic cubic spline through the inverse FFT.
         """
         signals = WaveSignals(self.path, transfer, of is not None)
         return run_time_series(self.time, columns, name, signals, of=of)
@@ -158,9 +160,18 @@ class WaveSignals:
         return [part, *part.enclosing()][-1].find(self.path)
 
     def response(self, part: Component, omega: np.ndarray) -> np.ndarray:
+        return self._table(unit_waves(omega, *self.besides(part)), part)[:, :, None]
+
+    def numbers(self, part: Component) -> np.ndarray | None:
+        found = getattr(self.transfer, "numbers", None)
+        return None if found is None else found(part)
+
+    def besides(self, part: Component) -> tuple[float, float, float]:
         sea = self.process(part)
-        water = value_of(sea, "water", sea.water)
-        return self._table(unit_waves(omega, *water), part)[:, :, None]
+        return value_of(sea, "water", sea.water)
+
+    def slopes(self, part: Component, omega: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        return self.transfer.slopes(unit_waves(omega, *self.besides(part)), part, moved)[..., None]
 
     def _table(self, waves: WaveComponents, part: Component) -> np.ndarray:
         return waves.columns(self.transfer(waves, part) if self.wants_part else self.transfer(waves))

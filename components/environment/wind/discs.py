@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language import Component
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.expressions import one_evaluation
+from fowtlib.language.expressions import value_of
 from fowtlib.language.run_time import RestingPlaces, TurningRings
 from fowtlib.language.series import Series
 
@@ -98,12 +98,7 @@ class Turbulence:
 
 def _with_discs(root: Component) -> list[Any]:
     """The rotors in effective winds; the same within an evaluation."""
-    with one_evaluation() as known:
-        key = ("with discs", id(root))
-        if key not in known:
-            found = [part for part in root.walk() if hasattr(type(part), "turning_disc")]
-            known[key] = found, root  # held: its id stays its own
-        return known[key][0]
+    return value_of(root, "with discs", lambda: [part for part in root.walk() if hasattr(type(part), "turning_disc")])
 
 
 class DiscSignals:
