@@ -31,7 +31,7 @@ DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 EXPONENT = 5.0
 WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
            "tower_moment_node_5", "tower_moment_node_10", "hull_moment_node_8")  # fmt: skip
-LINES = {"dynamic tension": "kN", "storm dynamic tension": "N"}  # of the line: what runs have needs no law of its maxima
+LINES = {"dynamic tension": "kN", "storm dynamic tension": "N"}  # what runs have needs no law of maxima
 
 
 def of_search(design: fw.Design) -> fw.Design:

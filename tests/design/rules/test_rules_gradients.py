@@ -45,6 +45,7 @@ def tower(x):
 
 RING = [0.5, 0.014, 0.25, 0.02, 2.5]
 
+
 def moving(x):
     names = ("elastic_stiffness", "geometric_stiffness", "mass", "drag", "axial_mass")
     return rules.harmonic_extreme(*x[:4], **dict(zip(names, x[4:], strict=True)))
