@@ -123,8 +123,8 @@ def sized(spar: Moored, slack: float) -> np.ndarray:
         given = spar.chain(x)
         first, storm = (by_response(spar, given, state) for state in ("EC1", "EC3"))
         off = max(first["fairlead_offset"] / slack, storm["fairlead_offset"] * IN_STORM)
-        return [1 - storm["line"], 1 - first["line"], (32 - storm["surge"] * IN_STORM) / 10, (32 - first["surge"] / slack) / 10,
-                (uplift(given) - off) / 10]  # fmt: skip
+        surge = max(first["surge"] / slack, storm["surge"] * IN_STORM)
+        return [1 - storm["line"], 1 - first["line"], (32 - surge) / 10, (uplift(given) - off) / 10]
 
     found = minimize(cost, [1.09, 8.7, 9.2], constraints={"type": "ineq", "fun": room}, method="SLSQP",
                      bounds=[(0.7, 1.4), (5, 12), (5, 16)],
