@@ -59,7 +59,7 @@ STORMS = {"EC1": (11.0, 7.5, 12.0, 0.18), "EC2": (21.0, 9.9, 14.0, 0.14), "EC3":
 
 def everywhere(design: fw.Design) -> fw.Design:
     """The same design in all states, with the damages of all of them."""
-    parked = fw.load("dtu10mw_spar_3_storm").compile()
+    parked = next(case.model for case in design.cases if case.model is not None)
     found = likely_states(site("northern_north_sea").at(119), range(1, 31))
     states = {f"wind {u:g}": (u, h, t, 0.14 * (0.75 * u + 5.6) / u) for u, h, t in found}
     weights = dict(zip(states, found.weights, strict=True))
@@ -83,7 +83,7 @@ def everywhere(design: fw.Design) -> fw.Design:
                        list(running), "rad/s")]  # fmt: skip
     names = {item.name for item in new}
     functions = [*(item for item in design.functions if item.name not in names), *new]
-    constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
+    constraints = [replace(item, cases=tuple(STORMS)) if "EC1" in (item.cases or ()) else item
                    for item in design.constraints]  # fmt: skip
     return replace(design, cases=cases, functions=functions, constraints=constraints, slopes="differences")
 

@@ -31,14 +31,14 @@ DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 EXPONENT = 5.0
 WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
            "tower_moment_node_5", "tower_moment_node_10", "hull_moment_node_8")  # fmt: skip
-LINES = {"dynamic tension": "kN", "storm dynamic tension": "N"}  # what runs have needs no law of maxima
+LINES = {"dynamic tension": "kN", "storm tension": "N"}  # what runs have needs no law of maxima
 
 
 def of_search(design: fw.Design) -> fw.Design:
     """The states of the search, whose damages stand for those of thirty, and all storms."""
     here = {case.name for case in design.cases}
     more = [case for case in everywhere(design).cases if case.name in STORMS and case.name not in here]
-    constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
+    constraints = [replace(item, cases=tuple(STORMS)) if "EC1" in (item.cases or ()) else item
                    for item in design.constraints]  # fmt: skip
     return replace(design, cases=[*design.cases, *more], constraints=constraints, slopes="differences")
 

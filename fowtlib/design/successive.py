@@ -20,6 +20,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.design.rounding import rounded
 from fowtlib.design.settings import Ended, Settings
 from fowtlib.language.errors import ModelError
 
@@ -29,6 +30,7 @@ WIDE = 0.01  # the region in which there must be nothing to gain at an optimum
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
 CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
+ROUNDED = 1e-3  # of what is compared, over which the problem of a step has kinks rounded off; merits have them as they are
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
@@ -185,7 +187,7 @@ class _Step:
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
         J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
-        f, g = composition.function(problem.offset + problem.scale * y, sizes * r)
+        f, g = rounded(composition.function, ROUNDED)(problem.offset + problem.scale * y, sizes * r)
         rows = [g - s, g + s, r - ca.mtimes(J, y)]
         asked = {
             "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),
