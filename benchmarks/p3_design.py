@@ -27,8 +27,8 @@ from fowtlib.design.file import read_design
 from fowtlib.metocean import likely_states, site
 
 FREE = ("stiffener_fraction", "ballast", "ring_web_height", "ring_web", "ring_flange_width", "ring_flange",
-        "ring_spacing")  # fmt: skip
-"""What is not printed, or follows from the rest: any change of it is as good as none."""
+        "ring_spacing", "fairlead_depth")  # fmt: skip
+"""What is not printed, or follows from the rest, or is where the file has it: any change of it is as good as none."""
 
 
 def nearest_to(design: fw.Design) -> fw.Design:
@@ -111,7 +111,8 @@ def cheapest_rings(design: fw.Design, found: fw.Optimum) -> str:
     forces = [1e6 * found.results["EC1"][f"hull_axial_force_node_{k}"] for k in range(1, 11)]
     x, unit = ca.MX.sym("x", 20), np.repeat([0.5, 0.016, 0.4, 0.025, 2.5], 4)
     rings = ca.vertsplit(x * unit, 4)
-    use, calm = (rules.hull_buckling(*sizes, ca.DM(m), ca.DM(forces), *rings) for m in (moments, np.zeros(11)))
+    use, calm = (rules.hull_buckling(*sizes, ca.DM(m), ca.DM(forces), *rings, ends=True)
+                 for m in (moments, np.zeros(11)))  # fmt: skip
     cost = rules.hull_cost(*sizes, *rings).cost / 1e6
     rows = ca.vertcat(use.shell, use.area, use.inertia, use.stress, use.web, use.flange, use.torsion, calm.inertia,
                       calm.stress)  # fmt: skip

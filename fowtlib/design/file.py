@@ -131,7 +131,7 @@ class _File:
         try:
             return model.with_parameters(given) if given else model
         except ModelError as error:
-            raise _located(error, items["set"]) from None
+            raise _at(_located(error, items["set"]), items["set"]) from None
 
     def _loaded(self, items: Mapping[str, Node]) -> Any:
         node, name = items["model"], text(items, "model")
@@ -223,7 +223,7 @@ class _File:
                 named = f"{text(items, 'model')} {self._mapping('set', items)}"
                 other = others[named] = others[named] if named in others else self._named(items).compile()
             elif "set" in items:
-                raise items["set"].place.error("'set' is of a model, and the case names none; it may have 'parameters'.")
+                raise items["set"].place.error("'set' is of a model, and the case names none; take 'parameters'.")
             for key, condition in (("wind", WIND), ("waves", WAVES)):
                 if key in items:
                     if condition.part not in (other or model).root.parts:

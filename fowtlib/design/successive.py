@@ -30,7 +30,7 @@ WIDE = 0.01  # the region in which there must be nothing to gain at an optimum
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
 CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
-ROUNDED = 1e-3  # of what is compared, over which the problem of a step has kinks rounded off; merits have them as they are
+ROUNDED = 1e-3  # of what is compared: kinks of the problem of a step are rounded off over it, those of merits are not
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
@@ -82,7 +82,10 @@ class _Search:
                 if not learned:  # there is little to gain in a small region: is there in a larger one?
                     self.region, widened = WIDE, True
                     continue
-                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                try:
+                    (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                except ModelError as error:
+                    return Ended(y, False, f"there are no exact slopes at what may be an optimum: {error}")
                 continue
             try:
                 found = self._results(new)
@@ -108,7 +111,10 @@ class _Search:
                 y, r, here, moved = new, found, there, True
             # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
             if moved and (learned >= self.age or poor > 1):
-                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                try:
+                    (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                except ModelError as error:  # a kink of the model, just here: what was learned leads on
+                    self.say(f"slopes stay those that were learned: {error}")
         return Ended(y, False, reason)
 
     def _corrected(self, y: np.ndarray, new: np.ndarray, found: np.ndarray, there: float,
