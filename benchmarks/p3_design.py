@@ -38,7 +38,8 @@ def nearest_to(design: fw.Design) -> fw.Design:
     def change(values: dict) -> ca.MX:
         return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
 
-    functions = [item for item in design.functions if item.name not in ("value", "cost", "hull cost", "tower cost")]
+    of_cost = ("value", "cost", "hull cost", "tower cost", "uneven diameters", "uneven walls")
+    functions = [item for item in design.functions if item.name not in of_cost]
     functions.append(fw.Function("change", change, list(kept)))
     return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=functions,
                    title="The printed spar, made feasible")  # fmt: skip

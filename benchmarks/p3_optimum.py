@@ -46,8 +46,11 @@ class Spar:
     """The spar in operation and in a storm, with parameters in place of those of the printed design."""
 
     def __init__(self, parameters: dict[str, Any]):
-        self.operating = fw.load("dtu10mw_spar_3_design").compile()
-        self.parked = fw.load("dtu10mw_spar_3_parked").compile()
+        # the model is built with them: no hinge nor joint of the hull may come by its fairlead later
+        self.built = {name: np.asarray(value).tolist() for name, value in parameters.items()
+                      if name.startswith(("hull_", "tower_", "fairlead_"))}  # fmt: skip
+        self.operating = fw.load("dtu10mw_spar_3_design", set=self.built).compile()
+        self.parked = fw.load("dtu10mw_spar_3_parked", set=self.built).compile()
         self.given = dict(parameters)
         values = {**self.operating.parameter_values(), **parameters}
         names = ("hull_heights", "hull_diameters", "hull_walls", "tower_heights", "tower_diameters", "tower_walls")
@@ -186,7 +189,7 @@ def moving_line(spar: Spar) -> None:
         which = "design" if speed <= 25.0 else "parked"
         if which not in plants:
             plants[which] = with_line_results(
-                fw.load(f"dtu10mw_spar_3_{which}", set={"mooring.dynamics": "coupled"})
+                fw.load(f"dtu10mw_spar_3_{which}", set={"mooring.dynamics": "coupled", **spar.built})
             ).compile()
         plant = plants[which]
         given = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,
