@@ -31,16 +31,17 @@ FREE = ("stiffener_fraction", "ballast", "ring_web_height", "ring_web", "ring_fl
 """What is not printed, or follows from the rest, or is where the file has it: any change of it is as good as none."""
 
 
-def nearest_to(design: fw.Design) -> fw.Design:
-    """The same limits, with the smallest change of what is printed as the objective."""
-    kept = {item.name: np.array(item.start) for item in design.space.placed if item.name not in FREE}
+def nearest_to(printed: fw.Design, design: fw.Design) -> fw.Design:
+    """The same limits, with the smallest change of what is printed as the objective, from where a design starts."""
+    kept = {item.name: np.array(item.start) for item in printed.space.placed if item.name not in FREE}
 
     def change(values: dict) -> ca.MX:
-        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
+        frames = 0.1 * values["stiffener_fraction"]  # which are not printed: light ones
+        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items()) + frames
 
     of_cost = ("value", "cost", "hull cost", "tower cost", "uneven diameters", "uneven walls")
     functions = [item for item in design.functions if item.name not in of_cost]
-    functions.append(fw.Function("change", change, list(kept)))
+    functions.append(fw.Function("change", change, [*kept, "stiffener_fraction"]))
     return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=functions,
                    title="The printed spar, made feasible")  # fmt: skip
 
@@ -190,7 +191,7 @@ def main() -> None:
         print(cheapest_rings(design, found))
         found.save(arguments.folder / "check.json")
         return
-    asked = replace(nearest_to(design) if arguments.nearest else design, processes=arguments.processes)
+    asked = replace(nearest_to(read.design, design) if arguments.nearest else design, processes=arguments.processes)
     options = {**read.optimiser, "iterations": arguments.iterations}
     how = {"region": arguments.region, "penalty": arguments.penalty, "say": say}
     found = asked.optimise(**options, options=how, resume=True, say=say,

@@ -1,8 +1,8 @@
 """Kinks of a function rounded off: where the larger of two is taken, or an absolute value, slopes have a step.
 
 A rule that takes the worse of two ends has its optimum where both are as bad, just at the step, and Newton's method
-goes from one side to the other for ever. Rounded, max(a, b) = (a + b + sqrt((a - b)^2 + w^2 (a^2 + b^2)))/2: too large by
-w |a|/sqrt(2) where both are equal, by some w^2 |a| elsewhere. Conditions stay steps.
+goes from one side to the other for ever. Rounded, max(a, b) = (a + b + sqrt((a - b)^2 + w^2 (a^2 + b^2)))/2: too large
+by w |a|/sqrt(2) where both are equal, by some w^2 |a| elsewhere. Conditions stay steps.
 """
 
 from __future__ import annotations
