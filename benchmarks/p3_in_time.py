@@ -98,7 +98,7 @@ def of_runs(design: fw.Design, hours: Hours) -> fw.Design:
     names = ["largest upwind_tension", "upwind_tension"]
     own = {line: fw.Function(line, lambda v, to=to: to * (v[names[0]] - v[names[1]]), names, unit)
            for (line, unit), to in zip(LINES.items(), (1.0, 1e3), strict=True)}  # fmt: skip
-    of_law = ("deviations", "probable deviations")
+    of_law = ("deviations", "probable deviations", "tension at the mean offset")
     functions = [own.get(item.name, item) for item in design.functions if item.name not in of_law]
     return replace(design, functions=functions,
                    evaluator=lambda plant, space, cases, keys, **_: OfRuns(hours, cases, keys))  # fmt: skip
