@@ -27,19 +27,21 @@ from fowtlib.design.file import read_design
 from fowtlib.metocean import likely_states, site
 
 FREE = ("stiffener_fraction", "ballast", "ring_web_height", "ring_web", "ring_flange_width", "ring_flange",
-        "ring_spacing")  # fmt: skip
-"""What is not printed, or follows from the rest: any change of it is as good as none."""
+        "ring_spacing", "fairlead_depth")  # fmt: skip
+"""What is not printed, or follows from the rest, or is where the file has it: any change of it is as good as none."""
 
 
-def nearest_to(design: fw.Design) -> fw.Design:
-    """The same limits, with the smallest change of what is printed as the objective."""
-    kept = {item.name: np.array(item.start) for item in design.space.placed if item.name not in FREE}
+def nearest_to(printed: fw.Design, design: fw.Design) -> fw.Design:
+    """The same limits, with the smallest change of what is printed as the objective, from where a design starts."""
+    kept = {item.name: np.array(item.start) for item in printed.space.placed if item.name not in FREE}
 
     def change(values: dict) -> ca.MX:
-        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
+        frames = 0.1 * values["stiffener_fraction"]  # which are not printed: light ones
+        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items()) + frames
 
-    functions = [item for item in design.functions if item.name not in ("value", "cost", "hull cost", "tower cost")]
-    functions.append(fw.Function("change", change, list(kept)))
+    of_cost = ("value", "cost", "hull cost", "tower cost", "uneven diameters", "uneven walls")
+    functions = [item for item in design.functions if item.name not in of_cost]
+    functions.append(fw.Function("change", change, [*kept, "stiffener_fraction"]))
     return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=functions,
                    title="The printed spar, made feasible")  # fmt: skip
 
@@ -59,7 +61,7 @@ STORMS = {"EC1": (11.0, 7.5, 12.0, 0.18), "EC2": (21.0, 9.9, 14.0, 0.14), "EC3":
 
 def everywhere(design: fw.Design) -> fw.Design:
     """The same design in all states, with the damages of all of them."""
-    parked = fw.load("dtu10mw_spar_3_parked").compile()
+    parked = next(case.model for case in design.cases if case.model is not None)
     found = likely_states(site("northern_north_sea").at(119), range(1, 31))
     states = {f"wind {u:g}": (u, h, t, 0.14 * (0.75 * u + 5.6) / u) for u, h, t in found}
     weights = dict(zip(states, found.weights, strict=True))
@@ -83,7 +85,7 @@ def everywhere(design: fw.Design) -> fw.Design:
                        list(running), "rad/s")]  # fmt: skip
     names = {item.name for item in new}
     functions = [*(item for item in design.functions if item.name not in names), *new]
-    constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
+    constraints = [replace(item, cases=tuple(STORMS)) if "EC1" in (item.cases or ()) else item
                    for item in design.constraints]  # fmt: skip
     return replace(design, cases=cases, functions=functions, constraints=constraints, slopes="differences")
 
@@ -111,7 +113,8 @@ def cheapest_rings(design: fw.Design, found: fw.Optimum) -> str:
     forces = [1e6 * found.results["EC1"][f"hull_axial_force_node_{k}"] for k in range(1, 11)]
     x, unit = ca.MX.sym("x", 20), np.repeat([0.5, 0.016, 0.4, 0.025, 2.5], 4)
     rings = ca.vertsplit(x * unit, 4)
-    use, calm = (rules.hull_buckling(*sizes, ca.DM(m), ca.DM(forces), *rings) for m in (moments, np.zeros(11)))
+    use, calm = (rules.hull_buckling(*sizes, ca.DM(m), ca.DM(forces), *rings, ends=True)
+                 for m in (moments, np.zeros(11)))  # fmt: skip
     cost = rules.hull_cost(*sizes, *rings).cost / 1e6
     rows = ca.vertcat(use.shell, use.area, use.inertia, use.stress, use.web, use.flange, use.torsion, calm.inertia,
                       calm.stress)  # fmt: skip
@@ -188,7 +191,7 @@ def main() -> None:
         print(cheapest_rings(design, found))
         found.save(arguments.folder / "check.json")
         return
-    asked = replace(nearest_to(design) if arguments.nearest else design, processes=arguments.processes)
+    asked = replace(nearest_to(read.design, design) if arguments.nearest else design, processes=arguments.processes)
     options = {**read.optimiser, "iterations": arguments.iterations}
     how = {"region": arguments.region, "penalty": arguments.penalty, "say": say}
     found = asked.optimise(**options, options=how, resume=True, say=say,

@@ -31,22 +31,16 @@ DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 EXPONENT = 5.0
 WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
            "tower_moment_node_5", "tower_moment_node_10", "hull_moment_node_8")  # fmt: skip
-LINE = "dynamic tension"  # of which the file says how much more it is for lines that move, as those of the runs do
+LINES = {"dynamic tension": "kN", "storm tension": "N"}  # what runs have needs no law of maxima
 
 
 def of_search(design: fw.Design) -> fw.Design:
     """The states of the search, whose damages stand for those of thirty, and all storms."""
-    more = [case for case in everywhere(design).cases if case.name in STORMS and case.name != "EC1"]
-    constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
+    here = {case.name for case in design.cases}
+    more = [case for case in everywhere(design).cases if case.name in STORMS and case.name not in here]
+    constraints = [replace(item, cases=tuple(STORMS)) if "EC1" in (item.cases or ()) else item
                    for item in design.constraints]  # fmt: skip
     return replace(design, cases=[*design.cases, *more], constraints=constraints, slopes="differences")
-
-
-def moving_lines(chain: float) -> dict[str, Any]:
-    """What makes the lines of a model move, for chain of a diameter [m]: its mass, and the diameter of its volume."""
-    mass = 187500 * chain**2 / 9.80665 / (1 - 1025 / 7850)
-    return {"mooring.dynamics": "coupled", "mooring.weight_per_length": None, "mooring.mass_per_length": mass,
-            "mooring.diameter": float(np.sqrt(4 * mass / (np.pi * 7850)))}  # fmt: skip
 
 
 class Hours:
@@ -56,8 +50,7 @@ class Hours:
         self.folder, self.seeds = folder, (storms, fatigue)
         folder.mkdir(parents=True, exist_ok=True)
         self.given = design.space.parameters(design.space.start)
-        lines = moving_lines(float(np.ravel(self.given["chain_diameter"])[0]))
-        self.plants = [fw.load(f"dtu10mw_spar_3_{name}", set=lines).compile() for name in ("design", "parked")]
+        self.plant = design.plant
 
     def of(self, case: fw.DesignCase) -> list[dict[str, Any]]:
         return [self.run(case, seed) for seed in range(1, self.seeds[case.name not in STORMS] + 1)]
@@ -65,7 +58,7 @@ class Hours:
     def run(self, case: fw.DesignCase, seed: int) -> dict[str, Any]:
         path = self.folder / f"{case.name.replace(' ', '_')}_{seed}.json"
         if not path.exists():
-            plant = self.plants[case.model is not None]
+            plant = case.model or self.plant
             given = {name: value for name, value in self.given.items() if name in plant.dae.parameters}
             own = {f"{part}.{name}": value for part, number in (("wind", seed), ("sea", seed + 50))
                    for name, value in (("seed", number), ("repetition_period", DISCARD + HOUR))}  # fmt: skip
@@ -103,8 +96,10 @@ class OfRuns:
 def of_runs(design: fw.Design, hours: Hours) -> fw.Design:
     """The same question, with its results from runs; the lines of these move by themselves."""
     names = ["largest upwind_tension", "upwind_tension"]
-    own = fw.Function(LINE, lambda values: values[names[0]] - values[names[1]], names, "kN")
-    functions = [own if item.name == LINE else item for item in design.functions]
+    own = {line: fw.Function(line, lambda v, to=to: to * (v[names[0]] - v[names[1]]), names, unit)
+           for (line, unit), to in zip(LINES.items(), (1.0, 1e3), strict=True)}  # fmt: skip
+    of_law = ("deviations", "probable deviations", "tension at the mean offset")
+    functions = [own.get(item.name, item) for item in design.functions if item.name not in of_law]
     return replace(design, functions=functions,
                    evaluator=lambda plant, space, cases, keys, **_: OfRuns(hours, cases, keys))  # fmt: skip
 

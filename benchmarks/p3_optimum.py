@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from p3_design import begun_at
-from p3_in_time import moving_lines
 from scipy.optimize import minimize
 
 import fowtlib as fw
@@ -30,6 +29,7 @@ from fowtlib.metocean import likely_states, site
 HOUR, CHARACTERISTIC = 3600.0, float(np.exp(-1))  # the most probable largest value of an hour
 EXTREMES = {"EC1": (11.0, 7.5, 12.0, 0.18), "EC2": (21.0, 9.9, 14.0, 0.14), "EC3": (50.0, 15.1, 16.0, 0.12)}
 RNA, GRAVITY, WATER, LOAD_FACTOR = 676.7e3, 9.80665, 1025.0, 1.35
+WEIGHT = 187500.0  # of chain in water, over its length and diameter squared [N/m^3]
 BREAKING = lambda d: 27.4e-3 * (44 - 80 * d) * d**2 * 1e9  # noqa: E731 (N, of R4 studless chain; d in m)
 GAINS = ("rna.turbine.control.proportional_gain", "rna.turbine.control.integral_gain")
 NODES = [*(f"hull_moment_node_{k}" for k in range(1, 11)), "tower_base_moment",
@@ -46,8 +46,11 @@ class Spar:
     """The spar in operation and in a storm, with parameters in place of those of the printed design."""
 
     def __init__(self, parameters: dict[str, Any]):
-        self.operating = fw.load("dtu10mw_spar_3_design").compile()
-        self.parked = fw.load("dtu10mw_spar_3_parked").compile()
+        # the model is built with them: no hinge nor joint of the hull may come by its fairlead later
+        self.built = {name: np.asarray(value).tolist() for name, value in parameters.items()
+                      if name.startswith(("hull_", "tower_", "fairlead_"))}  # fmt: skip
+        self.operating = fw.load("dtu10mw_spar_3_design", set=self.built).compile()
+        self.parked = fw.load("dtu10mw_spar_3_parked", set=self.built).compile()
         self.given = dict(parameters)
         values = {**self.operating.parameter_values(), **parameters}
         names = ("hull_heights", "hull_diameters", "hull_walls", "tower_heights", "tower_diameters", "tower_walls")
@@ -91,7 +94,7 @@ class Spar:
     def line(self) -> dict[str, float]:
         """Weight in water [N/m], stiffness [N], breaking strength [N] of the chain."""
         d = float(self.values["chain_diameter"])
-        return {"weight": float(self.values["chain_weight"]) * d**2, "EA": 9e10 * d**2, "strength": BREAKING(d), "d": d}
+        return {"weight": WEIGHT * d**2, "EA": 9e10 * d**2, "strength": BREAKING(d), "d": d}
 
 
 def ring_of(
@@ -186,7 +189,7 @@ def moving_line(spar: Spar) -> None:
         which = "design" if speed <= 25.0 else "parked"
         if which not in plants:
             plants[which] = with_line_results(
-                fw.load(f"dtu10mw_spar_3_{which}", set=moving_lines(line["d"]))
+                fw.load(f"dtu10mw_spar_3_{which}", set={"mooring.dynamics": "coupled", **spar.built})
             ).compile()
         plant = plants[which]
         given = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,

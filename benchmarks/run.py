@@ -276,7 +276,7 @@ def response() -> Measured:
 
 P3_VARIABLES = (
     "hull_diameters", "hull_walls", "tower_diameters", "tower_walls", "chain_diameter", "line_length", "line_distance",
-    "ballast", "chain_weight", "stiffener_fraction",
+    "ballast", "chain_mass", "stiffener_fraction",
 )  # fmt: skip
 P3_RESULTS = ("std pitch", "max pitch", "std rotor_speed", "std tower_base_moment", "max upwind_tension",
               "range hull_moment_0")  # fmt: skip

@@ -32,7 +32,7 @@ TOP_KEYS = (KEY, "title", "description", "model", "set", "variables", "objective
             "free", "targets", "balance", "statistics", "optimiser")  # fmt: skip
 VARIABLE_KEYS = ("drives", "lower", "upper", "start", "points", "along", "degree", "scale", "unit")
 CONSTRAINT_KEYS = ("result", "lower", "upper", "cases", "aggregate", "sharpness", "scale", "name")
-CASE_KEYS = ("parameters", "wind", "waves", "weight", "model")
+CASE_KEYS = ("parameters", "wind", "waves", "weight", "model", "set")
 STATISTIC_KEYS = ("duration", "quantile", "exponent", "lifetime", "curve", "environment", "tolerance")
 OPTIMISER_KEYS = ("method", "starts", "seed", "tolerance", "iterations", "slopes")
 DESIGNS = "designs"
@@ -123,15 +123,17 @@ class _File:
                 if key in self.items:
                     raise self.items[key].place.error(f"'{key}' is of a model, and the file names none.")
             return None
-        model = self._named(self.items)
-        given = self._mapping("set")
+        return self._named(self.items)
+
+    def _named(self, items: Mapping[str, Node]) -> Any:
+        """The model that the key 'model' names, with the values of the key 'set' beside it."""
+        model, given = self._loaded(items), self._mapping("set", items)
         try:
             return model.with_parameters(given) if given else model
         except ModelError as error:
-            raise _located(error, self.items["set"]) from None
+            raise _at(_located(error, items["set"]), items["set"]) from None
 
-    def _named(self, items: Mapping[str, Node]) -> Any:
-        """The model that the key 'model' names."""
+    def _loaded(self, items: Mapping[str, Node]) -> Any:
         node, name = items["model"], text(items, "model")
         try:
             permit = permit_for(self.path, files.models_folder(), (), trust=False)
@@ -140,10 +142,11 @@ class _File:
         except ModelError as error:
             raise _at(error, node) from None
 
-    def _mapping(self, key: str) -> dict[str, Any]:
-        if key not in self.items:
+    def _mapping(self, key: str, items: Mapping[str, Node] | None = None) -> dict[str, Any]:
+        items = self.items if items is None else items
+        if key not in items:
             return {}
-        nodes = mapping(self.items[key], f"'{key}' is a mapping of names and values")
+        nodes = mapping(items[key], f"'{key}' is a mapping of names and values")
         return {name: node.plain() for name, node in nodes.items()}
 
     def _free(self) -> Any:
@@ -217,8 +220,10 @@ class _File:
             parameters: dict[str, Any] = {}
             other = None
             if "model" in items:
-                named = text(items, "model")
+                named = f"{text(items, 'model')} {self._mapping('set', items)}"
                 other = others[named] = others[named] if named in others else self._named(items).compile()
+            elif "set" in items:
+                raise items["set"].place.error("'set' is of a model, and the case names none; take 'parameters'.")
             for key, condition in (("wind", WIND), ("waves", WAVES)):
                 if key in items:
                     if condition.part not in (other or model).root.parts:

@@ -20,6 +20,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.design.rounding import rounded
 from fowtlib.design.settings import Ended, Settings
 from fowtlib.language.errors import ModelError
 
@@ -29,6 +30,7 @@ WIDE = 0.01  # the region in which there must be nothing to gain at an optimum
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
 CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
+ROUNDED = 1e-3  # of what is compared: kinks of the problem of a step are rounded off over it, those of merits are not
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
@@ -80,7 +82,10 @@ class _Search:
                 if not learned:  # there is little to gain in a small region: is there in a larger one?
                     self.region, widened = WIDE, True
                     continue
-                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                try:
+                    (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                except ModelError as error:
+                    return Ended(y, False, f"there are no exact slopes at what may be an optimum: {error}")
                 continue
             try:
                 found = self._results(new)
@@ -106,7 +111,10 @@ class _Search:
                 y, r, here, moved = new, found, there, True
             # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
             if moved and (learned >= self.age or poor > 1):
-                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                try:
+                    (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
+                except ModelError as error:  # a kink of the model, just here: what was learned leads on
+                    self.say(f"slopes stay those that were learned: {error}")
         return Ended(y, False, reason)
 
     def _corrected(self, y: np.ndarray, new: np.ndarray, found: np.ndarray, there: float,
@@ -185,7 +193,7 @@ class _Step:
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
         J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
-        f, g = composition.function(problem.offset + problem.scale * y, sizes * r)
+        f, g = rounded(composition.function, ROUNDED)(problem.offset + problem.scale * y, sizes * r)
         rows = [g - s, g + s, r - ca.mtimes(J, y)]
         asked = {
             "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),

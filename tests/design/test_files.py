@@ -190,6 +190,15 @@ constraints: [reach @ heavy > 3 m, height @ heavy < 9 m, height @ light < 9 m]
     assert rows["height @ light"] - rows["height @ heavy"] == pytest.approx(2 * 9.80665 / 100, rel=1e-3)
     with pytest.raises(ModelError, match="lengths has 4 elements"):
         read_design(written(text.replace("[1:3]", "[2:5]"), "wrong.yaml"))
+    # the model of a case may have values of its own: half as stiff it sinks in twice as far
+    soft = text.replace("model: heavy.yaml}", "model: heavy.yaml, set: {spring.stiffness: 50}}")
+    other = {row.name: row.value for row in read_design(written(soft, "soft.yaml")).design.evaluate().constraints}
+    stiff = {row.name: row.value for row in design.evaluate().constraints}
+    assert stiff["height @ heavy"] - other["height @ heavy"] == pytest.approx(3 * 9.80665 / 100, rel=1e-3)
+    with pytest.raises(ModelError, match=r"none.yaml:6: 'set' is of a model, and the case names none"):
+        read_design(written(text.replace("weight: 1, model: heavy.yaml", "set: {spring.stiffness: 50}"), "none.yaml"))
+    with pytest.raises(ModelError, match=r"wrong.yaml:6: .*'stifness'"):
+        read_design(written(soft.replace("spring.stiffness", "spring.stifness"), "wrong.yaml"))
 
 
 def test_a_shipped_design_is_found(written, capsys):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from fowtlib.design import Design, Evaluated, Function, Variable, successive
+from fowtlib.design.rounding import rounded
 from fowtlib.language.errors import ModelError
 
 
@@ -25,6 +26,14 @@ class Beam:
         by = np.array([[3e8 * 0.1 * np.cos(d), 2e9]])
         key = ("design", "moment")
         return Evaluated({key: np.array([moment])}, {"moment": "N*m"}, {key: by} if jacobian else None)
+
+
+class Still:
+    """A "model" whose result nothing changes."""
+
+    def evaluate(self, x, jacobian=False):
+        key = ("design", "moment")
+        return Evaluated({key: np.ones(1)}, {"moment": "1"}, {key: np.zeros((1, x.size))} if jacobian else None)
 
 
 def tube(beam, start=(6.0, 0.05)) -> Design:
@@ -57,6 +66,47 @@ def test_few_slopes_lead_to_the_optimum(start):
     assert found.value == pytest.approx(best(), rel=1e-5)
     assert sorted(found.active) == ["slender <", "stress <"]
     assert beam.slopes <= 8
+
+
+def test_kinks_are_rounded_off_by_what_is_said():
+    x = ca.MX.sym("x", 2)
+    plain = ca.Function("f", [x], [ca.vertcat(ca.fmax(x[0], x[1]), ca.fmin(x[0], x[1]), ca.fabs(x[0])), ca.exp(x[1])])
+    w, round_ = 1e-3, rounded(plain, 1e-3)
+    for point in ([3.0, 3.0], [3.0, 2.0], [-3.0, 0.0], [0.0, 0.0]):
+        exact, found = (np.concatenate([np.ravel(item) for item in one(point)]) for one in (plain, round_))
+        size = np.hypot(*point)
+        away = [0, 0, 0] if point[0] == point[1] else [abs(point[0] - point[1])] * 2 + [2 * abs(point[0])]
+        over = (np.sqrt(np.square(away) + np.square([w * size, w * size, w * abs(point[0]) * np.sqrt(2)])) - away) / 2
+        if point[0] == point[1]:
+            over[2] = abs(point[0]) * (np.sqrt(1 + w**2 / 2) - 1)
+        assert found - exact == pytest.approx([over[0], -over[1], over[2], 0.0], abs=1e-12)
+    slopes = ca.Function("s", [x], [ca.jacobian(round_(x)[0], x)])([3.0, 3.0])
+    assert np.array(slopes)[0] == pytest.approx([0.5, 0.5], abs=w)
+
+
+def test_the_problem_of_a_step_ends_where_an_optimum_is_on_a_kink(monkeypatch):
+    """The worse of two loads, each of which grows with the other size: a = b = 1, where 0.5 (1 + x)/x is 1."""
+
+    def search():
+        functions = [
+            Function("mass", lambda v: v["a"] + v["b"], ["a", "b"]),
+            Function("use", lambda v: ca.fmax(0.5 * (1 + v["b"]), 0.5 * (1 + v["a"])) / ca.sqrt(v["a"] * v["b"])
+                     + 0 * v["moment"], ["a", "b", "moment"]),
+        ]  # fmt: skip
+        variables = [Variable("a", 0.2, 9.0, 2.0), Variable("b", 0.2, 9.0, 1.0)]
+        design = Design(None, variables, "mass", ["use < 1"], functions=functions)
+        object.__setattr__(design, "keys", [("design", "moment")])
+        object.__setattr__(design, "results", Still())
+        told = []
+        found = design.optimise("successive", tolerance=1e-6, options={"say": told.append})
+        return found, [line for line in told if "not solved" in line]
+
+    found, unsolved = search()
+    assert found.converged and found.feasible and not unsolved
+    assert found["a"] == pytest.approx(1.0, abs=2e-3) and found["b"] == pytest.approx(1.0, abs=2e-3)
+    monkeypatch.setattr(successive, "rounded", lambda function, width: function)
+    found, unsolved = search()
+    assert unsolved and not found.converged
 
 
 def test_where_there_are_no_results_steps_become_shorter():

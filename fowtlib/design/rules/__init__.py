@@ -4,6 +4,7 @@ A utilisation is at most 1 where the rule is kept. Arrays go element by element.
 where a rule has branches its function says so.
 """
 
+from fowtlib.analysis.line_maxima import harmonic_extreme
 from fowtlib.design.rules.column import ColumnBuckling, column_buckling, column_slenderness
 from fowtlib.design.rules.cost import (
     SteelCost,
@@ -112,6 +113,7 @@ __all__ = [
     "flotation_diameter",
     "flotation_draft",
     "hanging_line",
+    "harmonic_extreme",
     "heave_period",
     "highest_wave_ratio",
     "hoop_stress",

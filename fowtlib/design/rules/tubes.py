@@ -56,22 +56,31 @@ def _count(values: Any) -> int:
     return values.numel() if is_expression(values) else int(np.size(values))
 
 
-def _of_sections(of_nodes: Any, nodes: int, worse: Any) -> Any:
-    """The worse of both ends of each section, of loads at all nodes, or at those from the second on, or fewer.
+def _joined(*columns: Any) -> Any:
+    return ca.vertcat(*columns) if any(is_expression(item) for item in columns) else np.hstack(columns)
+
+
+def _ends(values: Any) -> Any:
+    """Lower ends of all sections, then their upper ends."""
+    return _joined(*between(values))
+
+
+def _at_nodes(known: Any, nodes: int) -> Any:
+    """Loads at all nodes, of those at all nodes, or at those from the second on, or fewer.
 
     The lowest node has the load of the second, what is left at the top that of the last.
     """
-    count = _count(of_nodes)
+    count = _count(known)
     below = 0 if count == nodes else 1
-    parts = [*[of_nodes[0]] * below, of_nodes, *[of_nodes[-1]] * (nodes - below - count)]
-    return worse(*between(ca.vertcat(*parts) if is_expression(of_nodes) else np.hstack(parts)))
+    return _joined(*[known[0]] * below, known, *[known[-1]] * (nodes - below - count))
 
 
 @dataclass(frozen=True)
 class HullUse:
     """Utilisations [-] of each section of a hull: the shell between rings, rings, and the hull as a column.
 
-    Rings: area, inertia, stress, web, flange, torsion; the column: its slenderness.
+    Rings: area, inertia, stress, web, flange, torsion; the column: its slenderness. By ends there are those of all
+    lower ends, then of all upper ones, but for web, flange and column.
     """
 
     shell: Any
@@ -86,36 +95,40 @@ class HullUse:
 
 def hull_buckling(
     heights: Any, diameters: Any, walls: Any, moments: Any, axial_forces: Any, web_height: Any, web_thickness: Any,
-    flange_width: Any, flange_thickness: Any, spacing: Any, *, load_factor: float = 1.35, least_factor: float = 1.10,
-    water_density: float = 1025.0, gravity: float = 9.80665,
+    flange_width: Any, flange_thickness: Any, spacing: Any, *, ends: bool = False, load_factor: float = 1.35,
+    least_factor: float = 1.10, water_density: float = 1025.0, gravity: float = 9.80665,
 ) -> HullUse:  # fmt: skip
     """Shell, panel-ring and column buckling of all sections of a hull of a spar, DNV-RP-C202 (see the single rules).
 
     heights above the still water level, diameters, walls (n,) at the nodes [m]; moments [N m], the largest of either
     sign, and axial_forces [N], mean, negative in compression and without the pressure of the water on the section, at
-    the nodes from the second on: the worse end of a section counts, the keel bears what the second node does, and at
-    nodes above those that are given loads are as at the last. Water presses on the lower end of a section from outside
-    and along it; ballast does not press back. The load factor is on the moment, as on all that the weather does. Rings:
-    `spread`.
+    the nodes from the second on; the keel bears what the second node does, and at nodes above those that are given
+    loads are as at the last. A section counts as the cylinder of its mean radius and wall with the worse loads of its
+    ends and the pressure of the lower one; with `ends`, as two: each end with its own sizes, loads and pressure. (A
+    wall that goes up and down from node to node has thin ends, which the mean hides.) Water presses from outside and
+    along the hull; ballast does not press back. The load factor is on the moment, as on all that the weather does.
+    Rings: `spread`.
     """
     z, D, t, M, N = (column(item) for item in (heights, diameters, walls, moments, axial_forces))
     demand_nodes("hull buckling", heights=z, diameters=D, walls=t)
     nodes = _count(z)
-    r, wall = (_middles(D) - _middles(t)) / 2, _middles(t)
-    low = between(z)[0]
-    depth = larger(-low, 0.0)
-    pressure = water_density * gravity * depth
     pressed = (pi / 4) * D**2 * water_density * gravity * larger(-z, 0.0)
-    axial = _of_sections(N - pressed[1 : 1 + _count(N)], nodes, smaller)
-    bent = load_factor * _of_sections(M, nodes, larger)
-    stress, bending, _ = cylinder_stress(r, wall, axial, -bent)
-    ring = rings_of((web_height, web_thickness, flange_width, flange_thickness, spacing), nodes - 1)
+    axial, bent = _at_nodes(N - pressed[1 : 1 + _count(N)], nodes), _at_nodes(M, nodes)
+    rings = rings_of((web_height, web_thickness, flange_width, flange_thickness, spacing), nodes - 1)
+    if ends:
+        r, wall, depth, axial, bent = (_ends(item) for item in ((D - t) / 2, t, -z, axial, bent))
+        ring = Ring(*(_joined(item, item) for item in vars(rings).values()))
+    else:
+        r, wall, depth, ring = _middles(D - t) / 2, _middles(t), -between(z)[0], rings
+        axial, bent = smaller(*between(axial)), larger(*between(bent))
+    pressure = water_density * gravity * larger(depth, 0.0)
+    stress, bending, _ = cylinder_stress(r, wall, axial, -load_factor * bent)
     hoop = hoop_stress(pressure, stress + bending, r, wall, ring.spacing, ring.area, ring.flange_radius(r, wall))
     shell = shell_buckling(stress, bending, r, wall, ring.spacing, hoop_stress=hoop.between, least_factor=least_factor)
     frame = panel_ring(ring, r, wall, stress + bending, pressure)
-    slender = column_slenderness(z[-1] - z[0], r)
-    return HullUse(shell.utilisation, frame.area, frame.inertia, frame.stress, frame.web, frame.flange, frame.torsion,
-                   slender)  # fmt: skip
+    slender = column_slenderness(z[-1] - z[0], _middles(D - t) / 2)
+    return HullUse(shell.utilisation, frame.area, frame.inertia, frame.stress, frame.web[: nodes - 1],
+                   frame.flange[: nodes - 1], frame.torsion, slender)  # fmt: skip
 
 
 def hull_cost(
@@ -158,7 +171,7 @@ def tower_use(
     masses = density * pi * (high - low) * _middles((D - t) * t)
     n = _count(z) - 1
     above = [top_mass + total(masses[k:]) for k in range(n)]
-    axial, bending, _ = cylinder_stress(r, wall, -gravity * column(above), -_of_sections(M, n + 1, larger))
+    axial, bending, _ = cylinder_stress(r, wall, -gravity * column(above), -larger(*between(_at_nodes(M, n + 1))))
     return tower_buckling(load_factor * (axial + bending), r, wall, high - low).utilisation
 
 

@@ -45,6 +45,12 @@ def tower(x):
 
 RING = [0.5, 0.014, 0.25, 0.02, 2.5]
 
+
+def moving(x):
+    names = ("elastic_stiffness", "geometric_stiffness", "mass", "drag", "axial_mass")
+    return rules.harmonic_extreme(*x[:4], **dict(zip(names, x[4:], strict=True)))
+
+
 CASES = {
     "stresses of a tube": (lambda x: rules.cylinder_stress(*x), [7.0, 0.05, -1e8, -5e8, 1e7, 2e7]),
     "hoop stress": (lambda x: rules.hoop_stress(*x), [0.6e6, -50e6, 7.0, 0.05, 1.2, 0.03, 6.3]),
@@ -73,6 +79,7 @@ CASES = {
     "squat tower": (tower, [-20e6, 0.5, 0.02, 1.0]),
     "fatigue": (lambda x: rules.fatigue_utilisation(*x), [0.4, 2.0]),
     "mooring": (lambda x: rules.mooring_strength(*x), [3.2e6, 1e6, 6.745e6]),
+    "line that moves": (moving, [3.3, 1.1e6, 0.7, 0.44, 4.5e5, 1.2e5, 8e5, 1.2e6, 6e4]),
     "uplift": (uplift, [1497.2, 1230.2, 590.5e6, 309.3, 1433.0]),
     "limits": (lambda x: (rules.at_most(x[0], x[1]), rules.at_least(x[2], x[3])), [-0.2, 0.26, 27.0, 25.0]),
     "periods": (lambda x: (rules.heave_period(x[0], x[1], x[2]), *rules.period_ratio(x[3], x[4])),

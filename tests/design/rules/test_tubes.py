@@ -33,6 +33,23 @@ def test_a_section_of_a_hull_is_checked_at_its_worse_end():
     assert len(found.shell) == 5 and np.all(np.isfinite(found.shell))
 
 
+def test_by_ends_a_section_is_checked_with_the_sizes_and_loads_of_each():
+    found, sea = rules.hull_buckling(Z, D, T, M, N, *RINGS, ends=True), 1025 * 9.80665
+    ring, r = rules.Ring(*RINGS), (D - T) / 2
+    for k, row in ((2, 2), (2, 5 + 1)):  # the node at -35 m: lower end of the third section, upper end of the second
+        x, m, _ = rules.cylinder_stress(r[k], T[k], N[k - 1] - sea * 35 * np.pi / 4 * D[k] ** 2, -1.35 * M[k - 1])
+        hoop = rules.hoop_stress(sea * 35, x + m, r[k], T[k], 2.5, ring.area, ring.flange_radius(r[k], T[k]))
+        shell = rules.shell_buckling(x, m, r[k], T[k], 2.5, hoop_stress=hoop.between, least_factor=1.10)
+        frame = rules.panel_ring(ring, r[k], T[k], x + m, sea * 35)
+        assert found.shell[row] == pytest.approx(float(shell.utilisation), rel=1e-12)
+        assert found.stress[row] == pytest.approx(float(frame.stress), rel=1e-12)
+    mean = rules.hull_buckling(Z, D, T, M, N, *RINGS)
+    assert found.web == pytest.approx(mean.web) and found.column == pytest.approx(mean.column)
+    teeth = T * [1.3, 0.7, 1.3, 0.7, 1.3, 0.7]  # the mean hides thin ends
+    thin = rules.hull_buckling(Z, D, teeth, M, N, *RINGS, ends=True)
+    assert max(thin.shell) > 1.2 * max(rules.hull_buckling(Z, D, teeth, M, N, *RINGS).shell)
+
+
 def test_control_points_of_rings_lie_between_their_ends():
     even = rules.hull_buckling(Z, D, T, M, N, *RINGS)
     same = rules.hull_buckling(Z, D, T, M, N, [0.5] * 4, *RINGS[1:4], [2.5] * 5)
