@@ -12,6 +12,7 @@ Left out: what is of second order in the waves, the mean of drag in waves, and, 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -47,7 +48,15 @@ Members = dict[str, tuple[Any, list[Signal]]]
 
 
 TANGENT, EQUIVALENT, QUADRATIC = "tangent", "equivalent", "quadratic"
+ALONE = (
+    "products of fluctuations are in this response as loads of their own, but not with what they make of products "
+    "again: with that no response was found near it. Deviations may be too small; check them with runs."
+)
 SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
+
+
+class ProductsWarning(UserWarning):
+    """A quadratic response without a part of what products of fluctuations do."""
 
 
 def _unknown(name: Hashable, function: OfFrequency) -> OfFrequency:
@@ -105,7 +114,7 @@ def response(
                 )
             if shifted:
                 excited = with_shifts(excited, settled_gains(excited, processes, given, tolerance)[0], shifted)
-            expected, through = None, dict[str, np.ndarray]()
+            expected, through, alone = None, dict[str, np.ndarray](), False
             if linearisation != TANGENT:
 
                 def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
@@ -116,7 +125,7 @@ def response(
                 found = equivalent(plant, state, names, driven, given, tolerance, linearisation == QUADRATIC)
                 state, excited, gains, grid, iterations = (found.state, found.excited, found.gains, found.grid,
                                                            found.iterations)  # fmt: skip
-                expected, through = found.shown, dict(found.through)
+                expected, through, alone = found.shown, dict(found.through), found.alone
             else:
                 gains, grid, iterations = settled_gains(excited, processes, given, tolerance, study.gains(excited))
                 study.keep_gains(excited, gains)
@@ -148,6 +157,8 @@ def response(
     found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
+    if alone:
+        warnings.warn(ALONE, ProductsWarning, stacklevel=2)
     return found
 
 
