@@ -40,6 +40,7 @@ PATIENT, NEARLY = 15, 0.03  # after so many iterations, where a swing hardly dec
 CLOSE = 0.02  # step of the mean over the deviation of a state
 HELD = 0.05  # from which the frequencies stay
 FEWEST = 3  # iterations; the first guess has too small a covariance
+NEAR = 0.1  # change of a deviation from which products join: those of a tangent response may be far too large
 FED_BACK, SWUNG = 20, 3.0  # iterations with what products make of products, and change of a deviation by it, at most
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
@@ -76,10 +77,10 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
                tolerance: float, quadratic: bool = False) -> Equivalent:  # fmt: skip
     """The equivalent linearisation that starts from a mean state in mean wind; see the module.
 
-    quadratic: with products of fluctuations as loads of their own, first by themselves. When that has settled, what
-    they make of products joins; where the search swings out with it, or does not settle, it is that of the loads alone.
-    Where rotors of blade elements turn it is that of the laws with corners alone, which are no loads of these rotors.
-    SimulationError where the fixed point is not found, or products are asked for there.
+    quadratic: with products of fluctuations as loads of their own as soon as the search is near. When it has settled,
+    what they make of products joins; where the search swings out with it, or does not settle, it is that of the loads
+    alone. Where rotors of blade elements turn it is that of the laws with corners alone, which are no loads of these
+    rotors. SimulationError where the fixed point is not found, or products are asked for there.
     """
     excited = excited_model(plant, state, names)
     turning = excited.rotating.average is not None
@@ -91,12 +92,13 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     smooth: np.ndarray | None = None
     response: Answers | None = None
     alone: Equivalent | None = None
-    sizes, first, change = np.zeros(0), 0, np.inf  # of the loads alone
+    sizes, first, change, near = np.zeros(0), 0, np.inf, not quadratic  # sizes: of the loads alone
     try:
         for iteration in range(1, ITERATIONS + 1):
             excited, processes = driven(excited)
             products: Products | None = None
-            if rows.quadratic is not None and response is not None:
+            near = near or change < NEAR
+            if near and rows.quadratic is not None and response is not None:
                 excited, processes, products = _with_products(excited, processes, rows.quadratic, response, alone)
             settled, damping = _settled(excited, processes, given, tolerance, gains)
             excited, gains, grid = settled
@@ -107,7 +109,7 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
             change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
             enough = SETTLED if count <= PATIENT else NEARLY
-            if count > FEWEST and rows.step < CLOSE and change < enough and not damping:
+            if near and count > FEWEST and rows.step < CLOSE and change < enough and not damping:
                 shown = None if rows.shown is None else rows.shown[: excited.results]
                 whole = Equivalent(state, excited, gains, grid, iteration, shown, response.through)
                 if products is None or alone is not None:

@@ -14,9 +14,11 @@ from scipy.special import erf
 from scipy.stats import norm
 
 import fowtlib as fw
+from fowtlib.frequency.rotation import speeds_by_states
 from fowtlib.language import Component, Number, Scalar, der, eq, param, quadratic, run_time_series, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.solving.excited import excited_model
 from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, Oscillator, Push
 from tests.frequency.test_wind_across import ROTOR
 
@@ -206,6 +208,11 @@ def test_beside_a_rotor_that_turns_a_corner_has_its_expected_value_and_slope(tmp
     assert found.std("held") == pytest.approx(norm.cdf(m / s) * share * s, rel=0.01)
     assert found.mean_of("speed") == pytest.approx(tangent.mean_of("speed"), rel=1e-6)
     assert tangent.mean_of("held") == pytest.approx(m, rel=1e-6)
+    rotating = excited_model(model.compile(), found.state, names).rotating
+    (row,) = speeds_by_states(rotating)
+    (speed,) = np.flatnonzero(row)
+    assert row[speed] == 1.0
+    assert rotating.linear.states[speed] == "turbine.assembly.nacelle.bearing.w"
 
 
 def test_a_word_that_is_no_linearisation_is_refused():
