@@ -49,7 +49,7 @@ def speeds_by_states(rotating: RotatingLinearModel) -> np.ndarray:
     if average is None:
         return np.zeros((0, len(rotating.linear.states)))
     rates = rate_states(average.at.dae)
-    return np.array([average.free == rates[turn.azimuth] for turn in average.turns], dtype=float)
+    return np.array([average.free == rates.get(turn.azimuth, -1) for turn in average.turns], dtype=float)
 
 
 def with_varying_speeds(excited: ExcitedModel, speeds: np.ndarray, frequency: np.ndarray) -> ExcitedModel:
