@@ -255,7 +255,7 @@ class _Flattening:
             operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
                        for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
                                                             strict=True)],
-            quadratics=[Quadratic(law.path, inputs, law.added)
+            quadratics=[Quadratic(law.path, inputs, law.added, law.smoothing)
                         for law, inputs in zip(system.quadratics, solved["quadratics"], strict=True)],
             stages=stages(system.stages, x, [*solved["ode"], *solved["alg"]], externals),
         )  # fmt: skip

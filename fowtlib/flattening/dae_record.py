@@ -62,7 +62,7 @@ def record_of(dae: FlatDAE, hooks: Hooks) -> Record:
                    for c in dae.checks],
         "symmetries": [[put(ring.angle), ring.parts] for ring in dae.symmetries],
         "operators": [[o.path, put(o.inputs), put(o.correction)] for o in dae.operators],
-        "quadratics": [[q.path, put(q.inputs), put(q.added)] for q in dae.quadratics],
+        "quadratics": [[q.path, put(q.inputs), put(q.added), q.smoothing] for q in dae.quadratics],
         "stages": [[s.path, put(s.states), put(s.step)] for s in dae.stages],
         "paths": [dae.residual_paths, dae.initial_paths, dae.initial_sources],
         "stats": {name: count for name, count in dae.stats.items() if name != "flattening_time"},
@@ -117,7 +117,8 @@ def dae_of(record: Record, root: Component, hooks: Hooks, values: Mapping[str, A
         operators=tuple(Operator(path, get(inputs), get(correction), stated.transfer, stated.realization)
                         for (path, inputs, correction), stated in zip(record["operators"], hooks.operators,
                                                                       strict=True)),
-        quadratics=tuple(Quadratic(path, get(inputs), get(added)) for path, inputs, added in record["quadratics"]),
+        quadratics=tuple(Quadratic(path, get(inputs), get(added), smoothing)
+                         for path, inputs, added, smoothing in record["quadratics"]),
         stages=tuple(Stage(path, get(states), get(step)) for path, states, step in record["stages"]),
         observed=_Observed(get, {name: place for name, place, _, _ in observed}),
         units={name: texts[unit] for name, _, unit, _ in observed},

@@ -148,11 +148,15 @@ class Operator:
 
 @dataclass(frozen=True)
 class Quadratic:
-    """A law |u| u: expressions of u (n,), and entries of p (n,) that are added to it, see language.quadratic_laws."""
+    """A law |u| u: expressions of u (n,), and entries of p (n,) that are added to it, see language.quadratic_laws.
+
+    smoothing: of |u|, in its unit.
+    """
 
     path: str
     inputs: ca.SX
     added: ca.SX
+    smoothing: float
 
 
 @dataclass(frozen=True, repr=False)

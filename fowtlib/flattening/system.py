@@ -328,9 +328,9 @@ class System:
         """States whose implicit steps an external function solves, and its input for that."""
         self.stages.append(Stage(self.current_path, states, step))
 
-    def quadratic(self, inputs: ca.SX, added: ca.SX) -> None:
+    def quadratic(self, inputs: ca.SX, added: ca.SX, smoothing: float) -> None:
         """A quadratic law of the part whose equations are being written."""
-        self.quadratics.append(QuadraticLaw(inputs, added, self.current_path))
+        self.quadratics.append(QuadraticLaw(inputs, added, smoothing, self.current_path))
 
     def check_range(self, value: ca.SX, low: Any, high: Any, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.

@@ -440,7 +440,7 @@ class RandomResponse:
         by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
         for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
             n = len(by_gain)
-            by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place])[1]
+            by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place], self.excited.smoothing[k])[1]
             means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
             by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
             Q[place, place] = by_covariance + by_covariance.T

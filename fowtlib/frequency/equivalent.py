@@ -40,6 +40,8 @@ PATIENT, NEARLY = 15, 0.03  # after so many iterations, where a swing hardly dec
 CLOSE = 0.02  # step of the mean over the deviation of a state
 HELD = 0.05  # from which the frequencies stay
 FEWEST = 3  # iterations; the first guess has too small a covariance
+NEAR = 0.1  # change of a deviation from which products join: those of a tangent response may be far too large
+FED_BACK, SWUNG = 20, 3.0  # iterations with what products make of products, and change of a deviation by it, at most
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
 SLOWEST = 1e-4  # 1/s, at least
@@ -58,6 +60,7 @@ class Equivalent:
 
     shown: expected results in their units; None where they are those of the mean. through: what the inputs of products
     have of each process beside what they are themselves, (q, inputs of products, channels); see frequency.products.
+    alone: whether this is left out, since no response with it was found.
     """
 
     state: State
@@ -67,15 +70,17 @@ class Equivalent:
     iterations: int
     shown: np.ndarray | None
     through: Mapping[str, np.ndarray] = field(default_factory=dict)
+    alone: bool = False
 
 
 def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, frequency: np.ndarray | None,
                tolerance: float, quadratic: bool = False) -> Equivalent:  # fmt: skip
     """The equivalent linearisation that starts from a mean state in mean wind; see the module.
 
-    quadratic: with products of fluctuations as loads of their own. Where rotors of blade elements turn it is that of
-    the laws with corners alone, which are no loads of these rotors. SimulationError where the fixed point is not found,
-    or products are asked for there.
+    quadratic: with products of fluctuations as loads of their own as soon as the search is near. When it has settled,
+    what they make of products joins; where the search swings out with it, or does not settle, it is that of the loads
+    alone. Where rotors of blade elements turn it is that of the laws with corners alone, which are no loads of these
+    rotors. SimulationError where the fixed point is not found, or products are asked for there.
     """
     excited = excited_model(plant, state, names)
     turning = excited.rotating.average is not None
@@ -86,32 +91,46 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None
     response: Answers | None = None
-    for iteration in range(1, ITERATIONS + 1):
-        excited, processes = driven(excited)
-        products: Products | None = None
-        if rows.quadratic is not None and response is not None:
-            excited, processes, products = _with_products(excited, processes, rows.quadratic, response)
-        settled, damping = _settled(excited, processes, given, tolerance, gains)
-        excited, gains, grid = settled
-        response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
-        found, deviations = response.covariance, response.deviations
-        share = min(1.0, WHOLE / iteration)
-        smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
-        change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
-        enough = SETTLED if iteration <= PATIENT else NEARLY
-        if iteration > FEWEST and rows.step < CLOSE and change < enough and not damping:
-            shown = None if rows.shown is None else rows.shown[: excited.results]
-            return Equivalent(state, excited, gains, grid, iteration, shown, response.through)
-        if last is not None and _change(deviations, last) < HELD:
-            given = grid.frequency
-        guess = CALM * found if guess is None else guess + share * (found - guess)
-        last = deviations
-        state, off = rows.stepped(excited, state, guess)
-        excited = excited_model(plant, state, names, off, () if rows.quadratic is None else rows.quadratic.rows)
-    raise SimulationError(
-        f"the equivalent linearisation does not settle within {ITERATIONS} iterations; the last change of a deviation "
-        f"is {change:.2g}. Take linearisation='tangent', or runs."
-    )
+    alone: Equivalent | None = None
+    sizes, first, change, near = np.zeros(0), 0, np.inf, not quadratic  # sizes: of the loads alone
+    try:
+        for iteration in range(1, ITERATIONS + 1):
+            excited, processes = driven(excited)
+            products: Products | None = None
+            near = near or change < NEAR
+            if near and rows.quadratic is not None and response is not None:
+                excited, processes, products = _with_products(excited, processes, rows.quadratic, response, alone)
+            settled, damping = _settled(excited, processes, given, tolerance, gains)
+            excited, gains, grid = settled
+            response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
+            found, deviations = response.covariance, response.deviations
+            count = iteration - first
+            share = min(1.0, WHOLE / count)
+            smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
+            change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
+            enough = SETTLED if count <= PATIENT else NEARLY
+            if near and count > FEWEST and rows.step < CLOSE and change < enough and not damping:
+                shown = None if rows.shown is None else rows.shown[: excited.results]
+                whole = Equivalent(state, excited, gains, grid, iteration, shown, response.through)
+                if products is None or alone is not None:
+                    return whole
+                alone, sizes, first = replace(whole, alone=True), deviations, iteration
+            if alone is not None and (iteration - first > FED_BACK or _swung(deviations, sizes)):
+                return alone
+            if last is not None and _change(deviations, last) < HELD:
+                given = grid.frequency
+            guess = CALM * found if guess is None else guess + share * (found - guess)
+            last = deviations
+            state, off = rows.stepped(excited, state, guess)
+            excited = excited_model(plant, state, names, off, () if rows.quadratic is None else rows.quadratic.rows)
+        raise SimulationError(
+            f"the equivalent linearisation does not settle within {ITERATIONS} iterations; the last change of a "
+            f"deviation is {change:.2g}. Take linearisation='tangent', or runs."
+        )
+    except SimulationError:
+        if alone is None:
+            raise
+        return alone
 
 
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
@@ -169,9 +188,7 @@ class Answers:
         through: dict[str, np.ndarray] = {}
         if products is not None:
             through = products.through(both, grid.frequency)
-            to = both[PRODUCTS]
-            both = {path: values + to @ through[path] for path, values in both.items()}
-            H = fed_back(H, through)
+            both, H = fed_back(both, through), fed_back(H, through)
         shown: Mapping[str, np.ndarray] = {path: answer[:, :m] for path, answer in H.items()}
         rates = {path: answer[:, m:] * (1j * grid.omega)[:, None, None] for path, answer in H.items()}
         of_results, of_rates = (deviations_of(covariance(of, grid.spectra, grid.frequency)) for of in (shown, rates))
@@ -179,18 +196,27 @@ class Answers:
                        of_results, of_rates, through)  # fmt: skip
 
 
-def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows,
-                   response: Answers) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
-    """The model and its processes with the products of fluctuations of a response."""
+def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows, response: Answers,
+                   alone: Equivalent | None) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
+    """The model and its processes with the products of fluctuations of a response.
+
+    alone: what was found with their loads alone; None: not yet.
+    """
     channels = channels_of(excited, quadratic, response.rates, response.deviations)
     if channels is None:
         return excited, processes, None
     first = excited.driven
     excited = with_channels(excited, channels)
     cross = cross_spectra(response.transfer, response.spectra, channels.directions)
-    products = Products(channels, response.frequency, cross)
+    products = Products(channels, response.frequency, cross, alone is not None)
     own = {path: replace(process, inputs=excited.driven) for path, process in processes.items()}
     return excited, own | {PRODUCTS: products.process(first, excited.driven)}, products
+
+
+def _swung(new: np.ndarray, old: np.ndarray) -> bool:
+    """Whether a deviation that is one has become another by a factor."""
+    moves = old > 1e-9 * old.max(initial=0.0)
+    return bool(np.any(new[moves] > SWUNG * old[moves]) or not np.all(np.isfinite(new)))
 
 
 def _change(new: np.ndarray, old: np.ndarray) -> float:

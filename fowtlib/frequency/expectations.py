@@ -33,6 +33,8 @@ ALIKE = 3.0  # and wherever it is, much alike: an integral beside its limit is n
 HELD = 1e-3  # of its pace: what pulls less is held
 AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
 SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
+FULL = 3  # points for each number, from which products of two are exact too
+STILL = 1e-12  # SI; a deviation that is rounding alone, of which nothing is told
 ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
 
 
@@ -297,18 +299,28 @@ def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> Points:
     if not order:
         return Points(np.zeros((count, 0)), lift, whitening)
     scaled = covariance[np.ix_(order, order)] / np.outer(s[order], s[order])
+    still = s[order] < STILL  # by rounding alone, and so is what it goes with
+    scaled[still], scaled[:, still], scaled[still, still] = 0.0, 0.0, 1.0
     root = _root(scaled)
     lift[order] = s[order, None] * root
     whitening[:, order] = np.linalg.inv(root) / s[order]
+    whitening[still] = 0.0
     drawn = _normal(count // 2, len(order))
     return Points(np.vstack([drawn, -drawn]), lift, whitening)
 
 
 def _normal(count: int, size: int) -> np.ndarray:
-    """Independent normal numbers (count, size) of a sequence of Sobol, the same each time."""
+    """Independent normal numbers (count, size) of a sequence of Sobol, the same each time.
+
+    Their squares have a mean of exactly one, and products of two of zero where there are many more points than numbers:
+    so expected products are those of the covariance, and hang on no tail.
+    """
     from scipy.stats import qmc
 
-    return ndtri(qmc.Sobol(size, scramble=True, seed=1).random(count))
+    drawn = ndtri(qmc.Sobol(size, scramble=True, seed=1).random(count))
+    if size * FULL > count:
+        return drawn / np.sqrt(np.mean(drawn**2, axis=0))
+    return drawn @ np.linalg.inv(np.linalg.cholesky(drawn.T @ drawn / count)).T
 
 
 def _root(correlation: np.ndarray) -> np.ndarray:

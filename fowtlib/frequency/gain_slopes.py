@@ -47,11 +47,11 @@ def gain_slopes(covariance: np.ndarray, mean: np.ndarray | None = None) -> tuple
     return by_C, along + moved + moved.transpose(1, 0, 2)
 
 
-def slope_at_mean(mean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def slope_at_mean(mean: np.ndarray, smoothing: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """d(|u| u)/du at a mean u (n,), which the linear model has by itself: (n, n), and its slopes by u (n, n, n)."""
-    n, speed = len(mean), float(np.linalg.norm(mean))
+    n, speed = len(mean), float(np.hypot(np.linalg.norm(mean), smoothing))
     if not speed > AT_REST:
         return np.zeros((n, n)), np.zeros((n, n, n))
     one, u = np.eye(n), mean / speed
     by_mean = np.einsum("ab,k->abk", one, u) + np.einsum("ak,b->abk", one, u) + np.einsum("bk,a->abk", one, u)
-    return slope_at(mean), by_mean - np.einsum("a,b,k->abk", u, u, u)
+    return slope_at(mean, smoothing), by_mean - np.einsum("a,b,k->abk", u, u, u)

@@ -39,6 +39,7 @@ LEFT_OUT = 1e-7  # of the squares of all forms, in channels and directions not t
 DIRECTIONS = 24  # at most
 BEYOND = 1e-4  # of the variance of a direction: what may lie above the highest frequency
 LINES = 1 << 13  # at most, of the axis of the spectra
+GONE = 1e-6  # of the largest answer times correlation: lags beyond which there is less count as none
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +97,13 @@ def with_channels(excited: ExcitedModel, channels: Channels) -> ExcitedModel:
 
 
 class Products:
-    """The process of loads, from cross spectra (q, m, m) per Hz of their directions at frequencies [Hz]."""
+    """The process of loads, from cross spectra (q, m, m) per Hz of their directions at frequencies [Hz].
 
-    def __init__(self, channels: Channels, frequency: np.ndarray, cross: np.ndarray):
-        self.channels = channels
+    fed_back: with what they make of products themselves.
+    """
+
+    def __init__(self, channels: Channels, frequency: np.ndarray, cross: np.ndarray, fed_back: bool = True):
+        self.channels, self.fed_back = channels, fed_back
         self.step, self.correlations = correlations(frequency, cross)
 
     def process(self, first: int, inputs: int) -> Process:
@@ -118,8 +122,10 @@ class Products:
     def through(self, transfer: Mapping[str, np.ndarray], frequency: np.ndarray) -> dict[str, np.ndarray]:
         """What the loads have of each process by the products of what is linear in it and what they do themselves.
 
-        transfer: of [states; inputs] by process (q, n, channels), also by these loads.
+        transfer: of [states; inputs] by process (q, n, channels), also by these loads. Nothing where that is left out.
         """
+        if not self.fed_back:
+            return {}
         y = {path: self.channels.directions @ H for path, H in transfer.items()}
         G = y[PRODUCTS]
         lines, kernel = feedback(self.channels.forms, self.step, self.correlations, frequency, G)
@@ -187,7 +193,9 @@ def feedback(forms: np.ndarray, step: float, R: np.ndarray, frequency: np.ndarra
     g = np.fft.irfft(_at(lines, frequency, G), length, axis=0) * (length * step)
     g[length // 2 :] = 0.0  # of what comes before
     found = np.zeros((length, k, m))
-    for part in np.array_split(np.arange(length // 2), max(length // 1024, 1)):
+    size = np.abs(g).max(axis=(1, 2)) * np.abs(R).max(axis=(1, 2))
+    lags = int(np.flatnonzero(size > GONE * size.max())[-1]) + 1 if size.any() else 0
+    for part in np.array_split(np.arange(lags), max(lags // 512, 1)):
         left = (forms[None] @ g[part, None]).transpose(0, 1, 3, 2)  # f_i,ab g_bk as (t, i, k, a)
         right = R[part, None] @ forms[None]  # R_ac f_k,cd as (t, k, a, d)
         found[part] = left.reshape(part.size, k, -1) @ right.reshape(part.size, -1, m)

@@ -21,7 +21,7 @@ LEAST = 1e-5  # of what a row is by its terms of first order: what counts as non
 class Points:
     """Normal numbers u (count, n), and Gaussian deviations of variables by them: u @ lift.T, lift (variables, n).
 
-    whitening (n, variables): u of deviations.
+    whitening (n, variables): u of deviations; none of one that does not move.
     """
 
     u: np.ndarray
@@ -50,9 +50,9 @@ class QuadraticRows:
     @staticmethod
     def of(points: Points, forms: Mapping[int, np.ndarray], sizes: Mapping[int, float]) -> QuadraticRows:
         """Those of forms, not symmetric yet, that are something beside the size of their rows."""
-        n, kept = points.u.shape[1], {}
+        n, kept, told = points.u.shape[1], {}, points.whitening.any(axis=1)
         for row, form in forms.items():
-            symmetric = (form + form.T) / 2
+            symmetric = (form + form.T) / 2 * np.outer(told, told)
             if np.linalg.norm(symmetric) > LEAST * sizes[row]:
                 kept[row] = symmetric
         return QuadraticRows(tuple(kept), np.array(list(kept.values())).reshape(-1, n, n), points.whitening)

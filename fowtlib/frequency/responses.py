@@ -12,6 +12,7 @@ Left out: what is of second order in the waves, the mean of drag in waves, and, 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -22,13 +23,13 @@ from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, plant_o
 from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.corners import covariance, laws_of, reached, warn_of_corners, with_states
 from fowtlib.frequency.coverage import warn_of_ends
-from fowtlib.frequency.driven import Process, Processes
+from fowtlib.frequency.driven import Grid, Process, Processes
 from fowtlib.frequency.equivalent import equivalent
 from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.known_rows import Known, OfFrequency
 from fowtlib.frequency.products import fed_back
-from fowtlib.frequency.rotation import Turned, speeds_by_states, with_rotation
+from fowtlib.frequency.rotation import Turned, speeds_by_states, with_rotation, with_varying_speeds
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.shifts import Shifts
 from fowtlib.frequency.shifts import shifted as with_shifts
@@ -47,7 +48,15 @@ Members = dict[str, tuple[Any, list[Signal]]]
 
 
 TANGENT, EQUIVALENT, QUADRATIC = "tangent", "equivalent", "quadratic"
+ALONE = (
+    "products of fluctuations are in this response as loads of their own, but not with what they make of products "
+    "again: with that no response was found near it. Deviations may be too small; check them with runs."
+)
 SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
+
+
+class ProductsWarning(UserWarning):
+    """A quadratic response without a part of what products of fluctuations do."""
 
 
 def _unknown(name: Hashable, function: OfFrequency) -> OfFrequency:
@@ -65,6 +74,7 @@ def response(
     tolerance: float = 1e-4,
     shifted: Shifts | None = None,
     linearisation: str = TANGENT,
+    varying_speed: bool = False,
 ) -> Response:
     """The response of a model, or of a compiled one, to its waves and its wind (see the module).
 
@@ -76,6 +86,8 @@ def response(
     linearisation  "tangent": about the mean in mean wind; "equivalent": of the least mean square error for the response
                  itself, of mean and equations, which knows of corners and of curved tables; see frequency.equivalent;
                  "quadratic": that, and what products of fluctuations add as loads of their own, the share "products"
+    varying_speed  whether what blades meet at multiples of the rotor speed is as wide as the deviation of that speed in
+                 the response makes it (solving.random_fields.density); a second pass, for rotors of blade elements
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag or the equivalent
     linearisation does not settle.
@@ -105,7 +117,7 @@ def response(
                 )
             if shifted:
                 excited = with_shifts(excited, settled_gains(excited, processes, given, tolerance)[0], shifted)
-            expected, through = None, dict[str, np.ndarray]()
+            expected, through, alone = None, dict[str, np.ndarray](), False
             if linearisation != TANGENT:
 
                 def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
@@ -116,7 +128,7 @@ def response(
                 found = equivalent(plant, state, names, driven, given, tolerance, linearisation == QUADRATIC)
                 state, excited, gains, grid, iterations = (found.state, found.excited, found.gains, found.grid,
                                                            found.iterations)  # fmt: skip
-                expected, through = found.shown, dict(found.through)
+                expected, through, alone = found.shown, dict(found.through), found.alone
             else:
                 gains, grid, iterations = settled_gains(excited, processes, given, tolerance, study.gains(excited))
                 study.keep_gains(excited, gains)
@@ -129,14 +141,21 @@ def response(
         rows = np.vstack([np.eye(len(linear.states))[[linear.states.index(path) for path in paths]], by_states])
         names_of = [*paths, *(f"speed of rotor {k}" for k in range(len(by_states)))]
         answers = fed_back(grid.answers(with_states(linear, excited.results, rows, names_of)), through)
+        if varying_speed and len(by_states):
+            speeds = _speeds(answers, grid, len(by_states))
+            excited = with_varying_speeds(excited, speeds, grid.frequency)
+            with one_evaluation():
+                processes = _processes(excited, root, signals)
+                gains, grid, _ = settled_gains(excited, processes, grid.frequency, tolerance, gains)
+            linear = excited.with_gains(gains)
+            answers = grid.answers(with_states(linear, excited.results, rows, names_of))
     H = {path: values[:, : excited.results] for path, values in answers.items()}
     own = {path: values[:, excited.results :] for path, values in answers.items()}
     of_laws = {path: values[:, : len(paths)] for path, values in own.items()}
     corners = ()  # an equivalent linearisation knows of them
     if linearisation == TANGENT:
         corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
-    speeds = sum((_spectra(values[:, len(paths) :], grid.spectra[path]) for path, values in own.items()),
-                 start=np.zeros((len(by_states), grid.frequency.size)))  # fmt: skip
+    speeds = _speeds(answers, grid, len(by_states))
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
     mean = study.shown(state, names) if expected is None else expected
     labels = linear.outputs[: excited.results]
@@ -148,7 +167,15 @@ def response(
     found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
+    if alone:
+        warnings.warn(ALONE, ProductsWarning, stacklevel=2)
     return found
+
+
+def _speeds(answers: Mapping[str, np.ndarray], grid: Grid, count: int) -> np.ndarray:
+    """Spectra (rotors, q) of the last outputs, by so many transfer functions."""
+    return sum((_spectra(H[:, H.shape[1] - count :], grid.spectra[path]) for path, H in answers.items()),
+               start=np.zeros((count, grid.frequency.size)))  # fmt: skip
 
 
 def _check_numbers(tolerance: Any, state: Any) -> None:

@@ -22,8 +22,10 @@ from fowtlib.analysis.spectra import mean_square_below
 from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.lines import RandomSpeed
+from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel
 from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
+from fowtlib.solving.rates import rate_states
 from fowtlib.solving.rotation import HARMONICS, Rotation
 
 ROTATION = "rotation"
@@ -39,11 +41,23 @@ class Turned:
 
 
 def speeds_by_states(rotating: RotatingLinearModel) -> np.ndarray:
-    """Speeds of the rotors [rad/s] by the states of the linear model, (rotors, states)."""
-    average, mean = rotating.average, rotating.mean
-    if average is None or mean is None:
+    """Speeds of the rotors [rad/s] by the states of the linear model, (rotors, states).
+
+    In coordinates that do not turn an azimuth has no rate: the speed is the state that is its rate in the model.
+    """
+    average = rotating.average
+    if average is None:
         return np.zeros((0, len(rotating.linear.states)))
-    return mean.slopes[np.ix_([turn.azimuth for turn in average.turns], average.free)]
+    rates = rate_states(average.at.dae)
+    return np.array([average.free == rates.get(turn.azimuth, -1) for turn in average.turns], dtype=float)
+
+
+def with_varying_speeds(excited: ExcitedModel, speeds: np.ndarray, frequency: np.ndarray) -> ExcitedModel:
+    """The model whose fields know of the deviations of the speeds (rotors, q) [(rad/s)^2/Hz] that they turn with."""
+    spreads = np.sqrt(np.trapezoid(speeds, frequency, axis=1))
+    fields = tuple((columns, tuple(replace(item, spread=float(spreads[item.turn])) if item.turn >= 0 else item
+                                   for item in places)) for columns, places in excited.fields)  # fmt: skip
+    return replace(excited, fields=fields)
 
 
 def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rotation | None,

@@ -15,10 +15,9 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language import math as m
 from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.functions import Functions
-
-AT_REST = 1e-6  # m/s; a mean of a quadratic law below it counts as none
 
 
 class DisturbedRows:
@@ -34,7 +33,7 @@ class DisturbedRows:
         if dae.quadratics:
             added = ca.vertcat(*(law.added for law in dae.quadratics))
             ends = np.cumsum([0, *(law.added.numel() for law in dae.quadratics)]).tolist()
-            lines = [_line(law.inputs, part) - _law(law.inputs)
+            lines = [_line(law.inputs, part, law.smoothing) - _law(law.inputs, law.smoothing)
                      for law, part in zip(dae.quadratics, ca.vertsplit(means, ends), strict=True)]  # fmt: skip
             expressions = ca.substitute(expressions, [added], [ca.vertcat(*lines)])
         if symbols:
@@ -56,10 +55,10 @@ class DisturbedRows:
         return Arrays(self._functions.torn_jacobian("disturbed_slopes", self._rows, self._columns))
 
 
-def _law(u: ca.SX) -> ca.SX:
-    return ca.sqrt(ca.sumsqr(u) + AT_REST**2) * u
+def _law(u: ca.SX, smoothing: float) -> ca.SX:
+    return m.smooth_norm(u, smoothing) * u
 
 
-def _line(u: ca.SX, mean: ca.SX) -> ca.SX:
-    speed, off = ca.sqrt(ca.sumsqr(mean) + AT_REST**2), u - mean
+def _line(u: ca.SX, mean: ca.SX, smoothing: float) -> ca.SX:
+    speed, off = m.smooth_norm(mean, smoothing), u - mean
     return speed * (mean + off) + mean * ca.dot(mean, off) / speed

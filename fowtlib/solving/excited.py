@@ -96,7 +96,7 @@ class ExcitedModel:
     their number what these columns are sums of, where they are, see RandomField.density. laws: paths of the laws, and
     their columns among what is added. results: number of the first and second of these outputs. means: of the
     inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are. beside: what
-    is added to other rows of [ode; alg; outputs], which were asked for.
+    is added to other rows of [ode; alg; outputs], which were asked for. smoothing: of each law.
     """
 
     linear: LinearModel
@@ -110,6 +110,7 @@ class ExcitedModel:
     further: Further
     bases: Mapping[int, np.ndarray] = field(default_factory=dict)
     beside: Forces | None = None
+    smoothing: tuple[float, ...] = ()
 
     @cached_property
     def compact(self) -> dict[Any, ExcitedModel]:
@@ -124,7 +125,7 @@ class ExcitedModel:
     @cached_property
     def slopes(self) -> list[np.ndarray]:
         """What the linear model has of each law by itself."""
-        return [slope_at(self.means[place]) for _, place in self.laws]
+        return [slope_at(self.means[place], s) for s, (_, place) in zip(self.smoothing, self.laws, strict=True)]
 
     @cached_property
     def law_rows(self) -> list[tuple[list[int], np.ndarray]]:
@@ -247,7 +248,8 @@ def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = Non
     linear, forces = _without_forces(linear, speeds, len(rows))
     means = means_of_laws(at, state)
     return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, means, forces, rotating,
-                        replace(further, added=()), beside=more if beside else None)  # fmt: skip
+                        replace(further, added=()), beside=more if beside else None,
+                        smoothing=tuple(law.smoothing for law in dae.quadratics))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,8 @@ from fowtlib.solving.state import State
 from fowtlib.solving.turning import Turn
 
 STEP = 1e-4  # rad of azimuth, for the direction of the turning
+POINTS, _WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
+SPEEDS = tuple(zip(POINTS.tolist(), (_WEIGHTS / _WEIGHTS.sum()).tolist(), strict=True))  # of a Gaussian speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,8 @@ class FieldPlaces:
     """Where one external asks a random field for one component of the velocity.
 
     part: number of the component; external: number of the external, positions: function of its positions; places: what
-    these are; axes: of the components (parts, 3), the first along the flow.
+    these are; axes: of the components (parts, 3), the first along the flow. turn: number of the rotor they turn with;
+    spread [rad/s]: deviation of its speed, see density.
     """
 
     path: str
@@ -47,6 +50,8 @@ class FieldPlaces:
     positions: ca.Function
     places: TurningRings | RestingPlaces
     axes: np.ndarray
+    turn: int = -1
+    spread: float = 0.0
 
     @property
     def labels(self) -> list[str]:
@@ -64,11 +69,12 @@ class FieldPlaces:
         path = self.compute.process(root.find(self.owner)).path
         return f"{self.compute.parts[self.part]} {path}".strip()
 
-    def along_axes(self) -> TurningRings | RestingPlaces:
-        """The places along the axes of the field."""
+    def along_axes(self, away: float = 0.0) -> TurningRings | RestingPlaces:
+        """The places along the axes of the field; away: of the speed from its mean, over its deviation."""
         if isinstance(self.places, RestingPlaces):
             return RestingPlaces(self.places.positions @ self.axes.T)
-        return replace(self.places, centre=self.axes @ self.places.centre)
+        speed = self.places.speed + away * self.spread
+        return replace(self.places, centre=self.axes @ self.places.centre, speed=speed)
 
     def mixing(self, at: AtParameters, *point: Any) -> np.ndarray:
         """How the velocities (3 n) at a point follow from the channels: (3 n, channels)."""
@@ -112,13 +118,15 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
         axes = _axes(plant, state, item)
         now = np.array(at.call(positions, state.t, state.x, state.z, q)).reshape(-1, 3)
         places: TurningRings | RestingPlaces = RestingPlaces(now)
-        for turn in turns:
+        rotor = -1
+        for k, turn in enumerate(turns):
             after = np.array(at.call(positions, state.t, state.x + STEP * turn.direction, state.z, q)).reshape(-1, 3)
             if np.abs(after - now).max() > STEP * 1e-3:
-                places = _rings(dae, now, after - now, speed[turn.azimuth], turn, axes)
+                places, rotor = _rings(dae, now, after - now, speed[turn.azimuth], turn, axes), k
         for part in range(len(axes)):
             own = replace(places, orders=2) if part and isinstance(places, TurningRings) else places
-            found.append(FieldPlaces(item.path, item.owner, item.compute, part, number, positions, own, axes))
+            found.append(FieldPlaces(item.path, item.owner, item.compute, part, number, positions, own, axes,
+                                     rotor))  # fmt: skip
     return found
 
 
@@ -149,11 +157,18 @@ def density(places: Sequence[FieldPlaces], root: Component, omega: np.ndarray,
             ) -> np.ndarray:  # fmt: skip
     """Spectra (q, channels, channels) of all places of one component in one field, after those of what is beside them.
 
-    basis: see RandomField.density.
+    basis: see RandomField.density. What a blade meets n times a turn is a band about n times the speed, as wide as what
+    it meets lasts. A speed with a deviation widens it: the correlation of exp(i n psi) over a lag t, psi the integral
+    of a Gaussian speed, is exp(i n W t - n^2 s^2 t^2/2) while t is short beside the times in which the speed changes,
+    as the time is that a gust takes to pass a blade; so it is the mean of the spectra over the speeds.
     """
     component, first = root.find(places[0].owner), places[0]
-    return first.compute.density(component, omega, [*beside, *(item.along_axes() for item in places)], first.part,
-                                 basis)  # fmt: skip
+    nodes = SPEEDS if any(item.spread for item in places) else ((0.0, 1.0),)
+    found = np.zeros(())
+    for away, share in nodes:
+        at = [*beside, *(item.along_axes(away) for item in places)]
+        found = found + share * first.compute.density(component, omega, at, first.part, basis)
+    return np.asarray(found)
 
 
 def blows(places: Sequence[FieldPlaces], root: Component) -> bool:

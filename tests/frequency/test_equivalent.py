@@ -11,13 +11,17 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import erf
+from scipy.stats import norm
 
 import fowtlib as fw
 from fowtlib.frequency.expected_means import _solved
-from fowtlib.language import Component, Number, Scalar, der, eq, param, run_time_series, var
+from fowtlib.frequency.rotation import speeds_by_states
+from fowtlib.language import Component, Number, Scalar, der, eq, param, quadratic, run_time_series, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.solving.excited import excited_model
 from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, Oscillator, Push
+from tests.frequency.test_wind_across import ROTOR
 
 GRID = np.geomspace(1e-3, 9.0, 600)  # Hz
 
@@ -192,6 +196,67 @@ def test_a_linear_model_stays_what_it_is():
     tangent, found = fw.response(model), fw.response(model, linearisation="equivalent")
     for name in ("x", "v"):  # with drag, which has its own law
         assert found.std(name) == pytest.approx(tangent.std(name), rel=1e-3)
+
+
+class Smooth(Oscillator):
+    """The oscillator whose drag is smooth below 0.4 m/s, of the size of its velocities."""
+
+    def equations(self):
+        own, balance = super().equations()
+        return [own, eq(balance.lhs, balance.rhs - 2.0 * quadratic(self.v, 0.4, "smooth drag"))]
+
+
+@pytest.mark.parametrize("linearisation", ["tangent", "equivalent"])
+def test_the_law_of_drag_stands_in_place_of_all_of_it_however_smooth(linearisation):
+    """|u| smooth at rest has a slope there, which is no damping beside that of the law; 1e-6 is as good as none."""
+    stds = []
+    for part in (Smooth(level=2.0), Oscillator(level=2.0, drag=2.0)):
+        root = fw.Assembly("oscillators")
+        root.one = part
+        model = fw.Model(root, outputs={"v": "one.v"})
+        stds.append(fw.response(model, frequencies=GRID, linearisation=linearisation).std("v"))
+    assert stds[0] == pytest.approx(stds[1], rel=1e-4)  # tolerance of the gains
+    assert 0.2 < stds[0] < 1.0
+
+
+@pytest.mark.parametrize("smoothing", [0.0, -1e-3, True, "1e-3"])
+def test_a_smoothing_that_is_no_number_above_zero_is_refused(smoothing):
+    class Rough(Oscillator):
+        """With another smoothing."""
+
+        def equations(self):
+            own, balance = super().equations()
+            return [own, eq(balance.lhs, balance.rhs - quadratic(self.v, smoothing, "rough"))]
+
+    root = fw.Assembly("oscillators")
+    root.one = Rough()
+    with pytest.raises(ModelError, match="smoothing is a number above 0"):
+        fw.Model(root, outputs={"v": "one.v"}).compile()
+
+
+def test_beside_a_rotor_that_turns_a_corner_has_its_expected_value_and_slope(tmp_path):
+    """Of x with mean m and deviation s: E max(x, 0) = m Phi(m/s) + s phi(m/s), slope Phi(m/s); laws alone are so."""
+    path = tmp_path / "rotor.yaml"
+    path.write_text(ROTOR)
+    root = fw.load(str(path)).root
+    root.one = Filter(level=0.5, lead=0.4)
+    names = ["x", "held", "late"]
+    model = fw.Model(root, outputs={name: f"one.{name}" for name in names} | {"speed": "turbine.rotor_speed"})
+    steady = {"wind.kind": "steady", "wind.mean_speed": 8.0}
+    found, tangent = (fw.response(model, parameters=steady, frequencies=GRID, linearisation=word)
+                      for word in ("equivalent", "tangent"))  # fmt: skip
+    s, m = found.std("x"), 0.4
+    assert s == pytest.approx(deviation(0.5, 1.0), rel=1e-3)
+    assert found.mean_of("held") == pytest.approx(m * norm.cdf(m / s) + s * norm.pdf(m / s), rel=0.01)
+    share = tangent.std("held") / s  # the slope is one at the mean, and it lags by 0.05 s
+    assert found.std("held") == pytest.approx(norm.cdf(m / s) * share * s, rel=0.01)
+    assert found.mean_of("speed") == pytest.approx(tangent.mean_of("speed"), rel=1e-6)
+    assert tangent.mean_of("held") == pytest.approx(m, rel=1e-6)
+    rotating = excited_model(model.compile(), found.state, names).rotating
+    (row,) = speeds_by_states(rotating)
+    (speed,) = np.flatnonzero(row)
+    assert row[speed] == 1.0
+    assert rotating.linear.states[speed] == "turbine.assembly.nacelle.bearing.w"
 
 
 def test_a_word_that_is_no_linearisation_is_refused():

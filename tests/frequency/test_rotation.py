@@ -7,7 +7,9 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.frequency.rotation import mirrored_spectrum, moved_spectrum, turned_spectra
+from fowtlib.language.run_time import TurningRings
 from fowtlib.solving.mean_linear import Turning
+from fowtlib.solving.random_fields import FieldPlaces, density
 
 FREQUENCY = np.sort(np.concatenate([np.geomspace(1e-4, 3.0, 400), np.linspace(0.05, 2.5, 400)]))
 
@@ -65,6 +67,38 @@ def test_a_blade_has_the_spectrum_of_a_run(speed, phase):
         run = scale * shares[(f > low) & (f < high)].sum()
         assert mean_square(found, low, high) == pytest.approx(run, rel=0.03, abs=1e-4)
     assert mean_square(found) == pytest.approx(width * (1 + abs(phase) ** 2), rel=0.02)
+
+
+class Gusts:
+    """A field whose only spectrum is a Gaussian band about three times the speed of what turns in it."""
+
+    WIDTH = 0.25  # rad/s; what three blades of 63 m meet in 8 m/s is as wide
+
+    def density(self, component, omega, places, part, basis):
+        ((speed,),) = [[one.speed for one in places]]
+        band = np.exp(-(((omega - 3 * speed) / self.WIDTH) ** 2) / 2) / (self.WIDTH * np.sqrt(2 * np.pi))
+        return band[:, None, None]
+
+
+class Root:
+    """Finds nothing that counts."""
+
+    def find(self, owner):
+        return None
+
+
+@pytest.mark.parametrize("spread", [0.03, 0.09])  # 3 and 10 % of the speed
+def test_a_speed_that_varies_widens_what_blades_meet(spread):
+    """A band of the width w about 3 W, W Gaussian: sqrt(w^2 + 9 s^2), as two Gaussian numbers add."""
+    rings = TurningRings(np.zeros(3), np.array([40.0]), 0.95, 3)
+    omega = np.linspace(0.0, 6.0, 601)
+    places = FieldPlaces("blades", "wind", Gusts(), 0, 0, None, rings, np.eye(3), 0, spread)
+    width = np.hypot(Gusts.WIDTH, 3 * spread)
+    wanted = np.exp(-(((omega - 3 * 0.95) / width) ** 2) / 2) / (width * np.sqrt(2 * np.pi))
+    found = density([places], Root(), omega)[:, 0, 0]
+    assert found == pytest.approx(wanted, abs=5e-3 * wanted.max())  # seven speeds
+    steady = FieldPlaces("blades", "wind", Gusts(), 0, 0, None, rings, np.eye(3), 0)
+    assert density([steady], Root(), omega)[:, 0, 0].max() > 1.05 * wanted.max()
 
 
 @pytest.mark.long

@@ -72,6 +72,7 @@ def text_of(dae) -> list[str]:
              [(o.path, o.owner, o.declared, o.state_targets, o.discrete_targets) for o in dae.offers],
              [(o.path, o.realization.A.tolist()) for o in dae.operators], [ring.parts for ring in dae.symmetries],
              [(s.targets, s.path, type(s.process)) for s in dae.samples], [s.path for s in dae.stages],
+             [(q.path, q.smoothing) for q in dae.quadratics],
              {key: value for key, value in dae.stats.items() if key != "flattening_time"},
              list(dae.bound_parameters.values())]  # fmt: skip
     offers = [ca.Function("o", [*symbols, offer.given], [offer.state_values, offer.discrete_values]).serialize()
