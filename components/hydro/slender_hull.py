@@ -11,12 +11,8 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart
-<<<<<<< HEAD
-from fowtlib.components.hydro.linear_loads import LARGEST_TILT, PlatformLoad
-=======
 from fowtlib.components.hydro.hull_waves import WaterAtStrips
-from fowtlib.components.hydro.linear_loads import PlatformLoad
->>>>>>> grad3
+from fowtlib.components.hydro.linear_loads import LARGEST_TILT, PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
 from fowtlib.language import Array, Component, Scalar, Vector, assert_, at_start, eq, outer, param, var
 from fowtlib.language import math as m

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
 import re
 import warnings
-=======
 from dataclasses import replace
->>>>>>> grad3
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,14 +21,9 @@ from fowtlib.components.hydro import (
     SlenderHullLoads,
     diffraction_coefficient,
 )
-<<<<<<< HEAD
-from fowtlib.components.hydro.hull_part import hull_strips
-from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody
-=======
 from fowtlib.components.hydro.hull_part import diffraction_slope, hull_strips
 from fowtlib.components.hydro.hull_waves import WaterAtStrips
-from fowtlib.components.mechanics import Fixed, FreeMotion
->>>>>>> grad3
+from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody
 from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.language.errors import ModelError
 
