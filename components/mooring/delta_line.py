@@ -32,7 +32,9 @@ class CrowFoot(Component):
 
     A leg is straight and elastic: it pulls with T = EA (distance / length - 1), or, in its place, (T + sqrt(T^2 +
     slack_tension^2)) / 2, which is never negative; half of its weight in water hangs at each of its ends. The node is
-    where the pulls of legs and line are in equilibrium: three unknowns, its place from the middle of the fairleads.
+    where the pulls of legs and line are in equilibrium. Unknowns are its place from the middle of the fairleads and EA
+    times the strain of each leg: with the place alone a millimetre of a stiff leg is many times the pull of the line,
+    and a search from a guess, or the next step of a run, does not arrive.
     What straight legs leave out is their sag, which takes (w L / T)^2 / 24 of their length. A slack leg warns.
     """
 
@@ -50,25 +52,29 @@ class CrowFoot(Component):
     node: Frame = port(doc="where the line goes on; keeps the axes of the world")
 
     offset: Vector = var(unit="m", start=node_start, doc="node from the middle of the fairleads, world")
+    pulls: Array = var(
+        unit="N", shape=(2,), start=lambda self: m.vertcat(self.slack_tension, self.slack_tension),
+        doc="EA times the strain of the left and right leg",
+    )  # fmt: skip
     left_tension: Scalar = var(unit="N", doc="mean tension of the left leg")
     right_tension: Scalar = var(unit="N", doc="mean tension of the right leg")
 
     def equations(self):
-        ends, node = (self.left, self.right), self.node
+        ends, node, half_apart = (self.left, self.right), self.node, (self.left.r - self.right.r) / 2
         half = m.vertcat(0, 0, line_weight(self) * self.length / 2)
-        ways = [end.r - node.r for end in ends]
-        sizes = [m.norm(way) for way in ways]
-        linear = [self.axial_stiffness * (size / self.length - 1) for size in sizes]
-        tensions = [m.smooth_max(pull, 0, self.slack_tension) for pull in linear]
-        pulls = [way / size * T for way, size, T in zip(ways, sizes, tensions, strict=True)]
-        taut = m.fmin(*linear) > 0
+        ways = [side * half_apart - self.offset for side in (1, -1)]
+        pulls = [self.pulls[i] for i in range(2)]
+        sizes = [self.length * (1 + pull / self.axial_stiffness) for pull in pulls]
+        tensions = [m.smooth_max(pull, 0, self.slack_tension) for pull in pulls]
+        forces = [way / m.norm(way) * T for way, T in zip(ways, tensions, strict=True)]
         return [
             eq(node.r, (self.left.r + self.right.r) / 2 + self.offset),
             fix_orientation(node, m.eye(3), m.zeros(3)),
+            [eq(size**2, m.dot(way, way)) for size, way in zip(sizes, ways, strict=True)],
             [eq(variable, T) for variable, T in zip((self.left_tension, self.right_tension), tensions, strict=True)],
-            [[eq(end.f, pull + half), eq(end.t, m.zeros(3))] for end, pull in zip(ends, pulls, strict=True)],
-            eq(node.f, 2 * half - pulls[0] - pulls[1]),
-            assert_(taut, "a leg is slack", "warning"),
+            [[eq(end.f, force + half), eq(end.t, m.zeros(3))] for end, force in zip(ends, forces, strict=True)],
+            eq(node.f, 2 * half - forces[0] - forces[1]),
+            assert_(m.fmin(*pulls) > 0, "a leg is slack", "warning"),
         ]
 
     def drawing(self) -> shapes.Drawing:

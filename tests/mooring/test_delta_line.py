@@ -115,6 +115,19 @@ def test_both_engines_turn_a_spar_until_legs_are_slack(oc3):
     assert results[0]["line_1.delta.right_tension"][0] < 1000
 
 
+def test_stiff_legs_start_from_every_span_and_guess():
+    """Legs of 150 kN at 1:45 are 15 um longer under their load; one of 15 MN ends where they do, to that."""
+    plant = fw.load("dtif_model_scale_delta").compile()
+    random = np.random.default_rng(4)
+    for span in (*np.linspace(4.95, 5.05, 11), *random.uniform(4.9, 5.08, 10)):
+        guess = np.array([0.21, 0, -0.3587]) * random.uniform(0.5, 1.5, 3) + [0, random.uniform(-0.05, 0.05), 0]
+        state = plant.initial_state({"span": span, "delta_1.node_start": guess})
+        stiffer = plant.initial_state({"span": span, **{f"delta_{k}.axial_stiffness": 15e6 for k in (1, 2, 3)}})
+        apart = np.ravel(state["delta_1.offset"]) - np.ravel(stiffer["delta_1.offset"])
+        assert np.abs(apart).max() < 5e-5 and state["delta_1.left_tension"] > 4.0
+        assert state["line_1.tension"] == pytest.approx(state["line_2.tension"], rel=1e-8)  # from another guess
+
+
 def test_legs_and_line_are_tunable(oc3):
     state = oc3.initial_state({"line_1.leg_length": 49.0})
     assert state["line_1.delta.left_tension"] > 1.03 * oc3.initial_state()["line_1.delta.left_tension"]
