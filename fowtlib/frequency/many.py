@@ -21,6 +21,7 @@ from fowtlib.frequency.corners import CornerWarning, warn_of_states
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.responses import response
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.results.tables import write_table
 
 if TYPE_CHECKING:
@@ -223,8 +224,7 @@ class Responses:
         """Write a row for each state: its parameters, and mean and deviation of each result; .csv or netCDF (.nc)."""
         path = Path(path)
         if path.suffix == ".nc":
-            self.dataset.to_netcdf(path)
-            return path
+            return write_whole(path, lambda temporary: temporary.write_bytes(self.dataset.to_netcdf(engine="scipy")))
         paths = self._paths()
         heads = ["state", *paths, PROBABILITY]
         heads += [f"{what} of {name} [{self.unit(name)}]" for name in self.outputs for what in ("mean", "std")]
