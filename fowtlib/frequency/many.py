@@ -292,6 +292,8 @@ def responses(
                     warnings.warn(f"state {number + 1} ({words(row)}) has no response: {error}", stacklevel=2)
             told(len(rows), len(rows))
         except KeyboardInterrupt:
+            if all(one is None for one in found):
+                raise
             complete = False
             warnings.warn(f"stopped after {len(found)} of {len(rows)} states; what was found is kept.", stacklevel=2)
     warn_of_states({k: one.corners for k, one in enumerate(found) if one is not None}, len(found))
