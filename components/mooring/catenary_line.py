@@ -137,7 +137,9 @@ def _limits(line, V_anchor):
     return [
         *ends_above_seabed(depth, anchor, fairlead),
         assert_(strain < line.greatest_strain, "the line is stretched by {strain} of its length; its axial stiffness "
-                "is taken as constant up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
+                "is taken as constant up to greatest_strain = {limit}. Its ends are {apart} m apart, it is {length} m "
+                "long", strain=strain, limit=line.greatest_strain, length=line.length,
+                apart=m.sqrt(line.distance**2 + line.rise**2)),
         assert_(peak <= m.fmax(m.fmax(anchor, fairlead), 0), "the line rises to the surface between its "
                 "ends; a line that floats there is not modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),

@@ -39,6 +39,7 @@ from fowtlib.analysis.plants import (
     still_water,
 )
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving import mean_linear_model, mean_state
 from fowtlib.solving.results.html import table
 
@@ -107,11 +108,10 @@ class Rao:
         dataset = self.dataset
         heads = ["frequency [Hz]", *(f"{name} [{dataset[name].attrs['units']}]" for name in dataset)]
         table = np.column_stack([self.frequency, *(dataset[name].values for name in dataset)])
-        try:
-            np.savetxt(path, table, fmt="%.8g", delimiter=",", header=",".join(heads), comments="")
-        except OSError as error:
-            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-        return path
+        head = ",".join(heads)
+        return write_whole(
+            path, lambda file: np.savetxt(file, table, fmt="%.8g", delimiter=",", header=head, comments="")
+        )
 
     def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
         """Amplitude and phase over frequency; options of fowtlib.view.plot_rao."""

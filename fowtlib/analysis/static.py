@@ -11,6 +11,7 @@ import numpy as np
 
 from fowtlib.analysis.plants import chosen_outputs, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.language.whole_files import write_whole
 
 if TYPE_CHECKING:
     import xarray
@@ -48,12 +49,11 @@ class StaticCurve:
         if path.suffix != ".csv":
             raise ModelError(f"{path}: a static curve is saved as .csv, not as '{path.suffix or 'no ending'}'.")
         heads = [self.parameter, *(f"{name} [{unit}]" for name, unit in zip(self.outputs, self.units, strict=True))]
-        try:
-            table = np.column_stack([self.values, self.table])
-            np.savetxt(path, table, fmt="%.8g", delimiter=",", header=",".join(heads), comments="")
-        except OSError as error:
-            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-        return path
+        table = np.column_stack([self.values, self.table])
+        head = ",".join(heads)
+        return write_whole(
+            path, lambda file: np.savetxt(file, table, fmt="%.8g", delimiter=",", header=head, comments="")
+        )
 
 
 def static_curve(

@@ -145,7 +145,9 @@ def show_states(arguments: argparse.Namespace) -> int:
     tables.show(arguments, columns, rows)
     if arguments.each:
         say_saved(found.save(arguments.each))
-    return 1 if every else 0
+    if not found.complete:
+        return 130
+    return 1 if found.failures else 0
 
 
 def _of_site(arguments: argparse.Namespace) -> tuple[Any, str]:

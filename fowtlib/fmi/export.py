@@ -8,7 +8,8 @@ import re
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from fowtlib.language.data_files import data_parameters, digest_of
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import to_si
-from fowtlib.language.whole_files import write_whole
+from fowtlib.language.whole_files import WriteError, write_whole
 from fowtlib.solving.engines.base import RHO_INF, STEP
 from fowtlib.solving.plant import Plant
 
@@ -77,8 +78,7 @@ def export_fmu(
         name, identifier, token, plant.title, datetime.now(UTC), KINDS[kind], [unit for unit, _ in sources.units]
     )
     needs = _needs(variables)
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
+    with _scratch(target) as folder:
         for file, text in sources.files.items():
             (folder / file).write_text(text, encoding="utf-8")
         binaries: dict[str, Path] = {}
@@ -93,6 +93,17 @@ def export_fmu(
         more |= data_files(plant.binding(parameters).root)
         _write(target, {"modelDescription.xml": description, **more}, sources, binaries)
     return target
+
+
+@contextmanager
+def _scratch(target: Path) -> Iterator[Path]:
+    """A temporary folder for what goes into `target`; WriteError where it has no room."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            yield Path(folder)
+    except OSError as error:
+        place = error.filename or "in the folder of temporary files"
+        raise WriteError(f"{target}: cannot be written: {error.strerror or error} ({place}).") from error
 
 
 def data_files(root: Component | None) -> dict[str, bytes]:

@@ -17,6 +17,7 @@ from fowtlib.analysis.spectra import Spectrum, realisation
 from fowtlib.frequency.corners import Corner
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.language.units import from_si, si_unit, to_si
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving import LinearModel, State
 from fowtlib.solving.results.tables import write_table
 
@@ -204,8 +205,7 @@ class Response:
         """Write the spectra as CSV, one row per frequency, or all as netCDF (.nc)."""
         path = Path(path)
         if path.suffix == ".nc":
-            self.dataset.to_netcdf(path)
-            return path
+            return write_whole(path, lambda temporary: temporary.write_bytes(self.dataset.to_netcdf(engine="scipy")))
         heads = ("frequency [Hz]", *(f"{n} [({u})^2/Hz]" for n, u in zip(self.outputs, self.units, strict=True)))
         return write_table(path, heads, np.column_stack([self.frequency, self.density.T]).tolist(), "a response")
 

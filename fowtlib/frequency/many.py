@@ -21,6 +21,7 @@ from fowtlib.frequency.corners import CornerWarning, warn_of_states
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.responses import response
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.results.tables import write_table
 
 if TYPE_CHECKING:
@@ -223,8 +224,7 @@ class Responses:
         """Write a row for each state: its parameters, and mean and deviation of each result; .csv or netCDF (.nc)."""
         path = Path(path)
         if path.suffix == ".nc":
-            self.dataset.to_netcdf(path)
-            return path
+            return write_whole(path, lambda temporary: temporary.write_bytes(self.dataset.to_netcdf(engine="scipy")))
         paths = self._paths()
         heads = ["state", *paths, PROBABILITY]
         heads += [f"{what} of {name} [{self.unit(name)}]" for name in self.outputs for what in ("mean", "std")]
@@ -292,6 +292,8 @@ def responses(
                     warnings.warn(f"state {number + 1} ({words(row)}) has no response: {error}", stacklevel=2)
             told(len(rows), len(rows))
         except KeyboardInterrupt:
+            if all(one is None for one in found):
+                raise
             complete = False
             warnings.warn(f"stopped after {len(found)} of {len(rows)} states; what was found is kept.", stacklevel=2)
     warn_of_states({k: one.corners for k, one in enumerate(found) if one is not None}, len(found))

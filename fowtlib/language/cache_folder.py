@@ -109,6 +109,15 @@ def private_folder() -> Path:
     return found
 
 
+def give_up(error: OSError) -> bool:
+    """Whether, after this error, a temporary folder stands in for one on a disk without room, and is worth a trial."""
+    folder = named_folder()
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT) or stand_in(folder):
+        return False
+    make_stand_in(folder, error)
+    return True
+
+
 def _private(folder: Path) -> Path:
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir(mode=0o700, exist_ok=True)

@@ -42,6 +42,8 @@ def kept_file(name: str, ending: str, content: bytes) -> Path:
                 fresh.write_bytes(content)
                 path = store.keep(name, ending, fresh)
     except OSError as error:
+        if store.give_up(error):
+            return kept_file(name, ending, content)
         raise ParameterError(
             f"{error.filename or store.cache_folder()}: cannot be written: {error.strerror or error}."
         ) from None

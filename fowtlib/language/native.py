@@ -11,6 +11,7 @@ from __future__ import annotations
 import _ctypes
 import atexit
 import ctypes
+import errno
 import gc
 import hashlib
 import importlib.util
@@ -98,6 +99,8 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
             os.replace(source, library.with_name(f"{key}.c"))
         store.prune()
     except OSError as error:
+        if store.give_up(error):
+            return compile_library(text, name, optimization=optimization)
         raise CompilerError(
             f"{name}: cannot write the compiled library to {error.filename or store.cache_folder()}: {error.strerror}; "
             "the environment variable FOWTLIB_CACHE names another folder."
@@ -210,6 +213,8 @@ def run_compiler(command: list[str], name: str) -> None:
     status, said = _finished(command)
     if status:
         lines = [line for line in said.splitlines() if line.strip()]
+        if os.strerror(errno.ENOSPC) in said:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), command[command.index("-o") + 1])
         first = next((line for line in lines if "error" in line), lines[0] if lines else "no message")
         raise CompilerError(f"{name}: its C code does not compile with {command[0]} (exit status {status}): {first}")
 

@@ -8,8 +8,9 @@ import inspect
 import pkgutil
 import re
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelFileError
@@ -52,9 +53,21 @@ def _places() -> dict[str, str]:
     return found
 
 
+class _FromText(SourceFileLoader):
+    """Runs the text as it is now.
+
+    Python takes a compiled file (.pyc) for that of a text with the same size and second of change: of a text edited by
+    a program it may be the former one, of which a flat model would then be kept under the name of the new one.
+    """
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 def classes_of_file(path: Path) -> Classes:
     """The component classes that a Python file defines. This runs the file."""
-    spec = importlib.util.spec_from_file_location(f"_parts_of_{path.stem}", path)
+    name = f"_parts_of_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path, loader=_FromText(name, str(path)))
     if spec is None or spec.loader is None:
         raise ModelFileError(f"'{path}' is not a Python file.")
     import sys

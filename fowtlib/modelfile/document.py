@@ -16,6 +16,7 @@ from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text, text_node
+from fowtlib.solving.conditions import OUTPUT_STEP
 from fowtlib.solving.starts import KINDS as STARTS
 from fowtlib.solving.timeline import Event
 
@@ -120,4 +121,10 @@ def _settings(node: Node) -> dict[str, Any]:
             raise item.place.error(f"simulation.{key}: {error}") from None
     if settings.get("start", "file") not in STARTS:
         raise items["start"].place.error(f"simulation.start: '{settings['start']}' is not {one_of(STARTS)}.")
+    step, points = settings.get("step", 0.0), settings.get("output_step", OUTPUT_STEP)
+    if settings.get("solver") == "fixed" and step > points * (1 + 1e-9):
+        raise items["step"].place.error(
+            f"simulation.step, {step:g} s, is longer than output_step, {points:g} s; "
+            "give a shorter step or a longer output_step."
+        )
     return settings

@@ -20,6 +20,7 @@ from fowtlib.solving.binding import Binding
 from fowtlib.solving.checkpoint import checkpoint as make_checkpoint
 from fowtlib.solving.checkpoint import differences, restore
 from fowtlib.solving.checks import broken, too_coarse
+from fowtlib.solving.conditions import OUTPUT_STEP
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.events import StateEvents
@@ -67,7 +68,7 @@ def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Va
         float(to_si(settings.get(key, default) if value is None else value, unit, key))
         for value, key, default, unit in (
             (t_end, "duration", 600.0, "s"),
-            (output_step, "output_step", 0.1, "s"),
+            (output_step, "output_step", OUTPUT_STEP, "s"),
             (tolerance, "tolerance", 1e-6, "1"),
         )
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from fowtlib.cli.app import main
+from fowtlib.frequency import many
 
 
 def test_response_prints_statistics_and_saves_spectra(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -57,6 +58,27 @@ def test_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture
     assert row["std"] == pytest.approx((0.6 * std[0] + 0.3 * std[1]) / 0.9)
     assert (row["in state"], row["in state "]) == (2, 2)
     assert [row["sea.heading"] for row in rows] == ["0", "0.5"]
+
+
+@pytest.mark.parametrize("done", [0, 1])
+def test_a_list_of_states_that_is_stopped(done, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch):
+    """Ctrl-C has the status 130; the table of what was found is shown and saved."""
+    states, each = tmp_path / "states.csv", tmp_path / "each.csv"
+    states.write_text("wind_speed [m/s],Hs [m],Tp [s],probability\n14,2,9,0.5\n14,3,9,0.3\n14,4,9,0.2\n")
+    counted, real = [], many.response
+
+    def stopped(*items, **options):
+        if len(counted) == done:
+            raise KeyboardInterrupt
+        counted.append(1)
+        return real(*items, **options)
+
+    monkeypatch.setattr(many, "response", stopped)
+    asked = ["response", "oc3_spar_rigid", "--wind", "kaimal:14,class=C", "--outputs", "heave", "--states", str(states)]
+    assert main([*asked, "--each", str(each)]) == 130
+    told = capsys.readouterr()
+    assert (f"stopped after {done} of 3 states" if done else "stopped; nothing was saved") in told.err
+    assert ("heave" in told.out, each.exists()) == (bool(done), bool(done))
 
 
 def test_mistakes_of_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

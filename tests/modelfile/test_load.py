@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -282,6 +283,29 @@ def test_python_of_the_file_runs_only_when_allowed(write):
     model = load(path, allow_python=True)
     assert value(model.root.mine, "k") == 3
     assert model.with_parameters({"mine.k": 4}).root.mine.k.value == 4
+
+
+@pytest.mark.parametrize("now", ["3.0", "5.0"])
+def test_an_edited_python_file_is_run_as_it_is_now(write, now):
+    """Of the same size and with the same time of change, by which Python knows its own compiled file again."""
+    text = """
+        from fowtlib.language import Component, Scalar, eq, var
+
+        class Mine(Component):
+            \"\"\"One equation.\"\"\"
+            x: Scalar = var()
+
+            def equations(self):
+                return [eq(self.x, 2.0)]
+        """
+    path = write("fowtlib: 1\npython: my_parts.py\nmine: {class: Mine}\n")
+    code = write(text, "my_parts.py")
+    os.utime(code, (1e9, 1e9))
+    assert load(path, allow_python=True).compile().equilibrium()["mine.x"] == 2
+    code = write(text.replace("2.0", now), "my_parts.py")
+    os.utime(code, (1e9, 1e9))
+    assert load(path, allow_python=True).compile().equilibrium()["mine.x"] == float(now)
+    assert not (code.parent / "__pycache__").exists()
 
 
 def test_a_component_from_python_is_a_model(write):

@@ -255,7 +255,7 @@ def test_slack_and_overstretched_lines_warn():
 def test_a_line_is_not_stretched_beyond_the_range_of_its_stiffness(limit, start):
     model = on_a_rail(start)
     model.other.greatest_strain = limit
-    with pytest.raises(SimulationError, match=rf"other: the line is stretched by 0\.\d+ of its length; .* = {limit}"):
+    with pytest.raises(SimulationError, match=rf"other: the line is stretched by 0\.\d+ of its length; .* = {limit}\."):
         fw.load(model).compile().simulate(0.02, 0.01)
 
 
