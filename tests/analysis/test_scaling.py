@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.scaling import scaled, store_data
-from fowtlib.components.blocks import ButterworthLowPass, Constant, Gain, Limiter, Sine, Table1D
+from fowtlib.components.blocks import ButterworthLowPass, Constant, Derivative, Gain, Limiter, Sine, Table1D
 from fowtlib.components.environment import World
 from fowtlib.components.flooding import BoxTank, RoundTank
-from fowtlib.components.mechanics import BeamProperties, FreeMotion, RigidBody, WorldForce
+from fowtlib.components.hydro.modal_loads import read_modal_database
+from fowtlib.components.mechanics import AttitudeSensor, BeamProperties, FreeMotion, RigidBody, WorldForce
 from fowtlib.components.mooring import CatenaryLine
+from fowtlib.components.support import FlexibleTower
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.similarity import Similarity, factors, six_by_six
@@ -261,6 +264,72 @@ def test_a_beam_bends_in_proportion(tmp_path):
 def test_six_by_six():
     assert six_by_six("kg").tolist()[0][5] == "kg*m"
     assert six_by_six("N/m").tolist()[4][4] == "N/m*m^2"
+    assert six_by_six("kg", 2)[4, 3:].tolist() == ["kg*m^2", "kg*m^2", "kg*m^2", "kg*m", "kg*m"]
+
+
+def test_a_hull_that_bends(tmp_path):
+    """Shapes move in metres: the load at rest on one is a force, its turns are per metre; frequencies go as all do."""
+    data = read_modal_database("models/data/tlp_elastic/shapes.nc")
+    similar = Similarity(SMALL, FRESH)
+    data.in_similarity(similar).write(tmp_path / "small.nc")
+    small = read_modal_database(tmp_path / "small.nc")
+    work, less = (np.einsum("kpi,pi->k", one.shapes, one.at_rest) for one in (data, small))
+    np.testing.assert_allclose(less, work * similar.factor("N"), rtol=1e-9, atol=1e-12 * np.abs(work).max())
+    squared = [one.among[0, 0] / one.A_inf[6, 6] for one in (data, small)]
+    assert squared[1] == pytest.approx(squared[0] / SMALL, rel=1e-12)
+    rates = [np.linalg.eigvals(np.linalg.solve(one.A_inf, one.B[3])) for one in (data, small)]
+    largest = [np.abs(rate).max() for rate in rates]  # of all motions and shapes, whose units mix in the matrices
+    assert largest[1] == pytest.approx(largest[0] * SMALL**-0.5, rel=1e-9)
+    pressure, power = (np.einsum("nhi,ij,nhj->nh", one.X.conj(), np.linalg.inv(one.A_inf), one.X).real
+                       for one in (data, small))  # fmt: skip
+    np.testing.assert_allclose(power, pressure * similar.factor("N^2/m^2/kg"), rtol=1e-8)
+    back = small.in_similarity(similar.inverse)
+    for name in ("omega", "A", "B", "X", "C", "with_rigid", "nodes", "shapes", "at_rest", "water_depth"):
+        np.testing.assert_allclose(getattr(back, name), getattr(data, name), rtol=1e-12, err_msg=name)
+
+
+def test_a_derivative_says_the_unit_of_its_output():
+    """A gain of 1 stays 1, there and back: what comes out is a rate of what goes in, in either scale."""
+    root = blocks(rate=Derivative(time_constant=0.01), turn=AttitudeSensor(continuous_yaw=False))
+    root.connect(root.motion.frame_b, root.turn.frame)
+    root.connect(root.turn.pitch, root.rate.u)
+    small = scaled(fw.load(root), SMALL)
+    back = scaled(small, 45).root.rate
+    assert small.root.rate.parameter_value("gain") == back.parameter_value("gain") == 1.0
+    assert small.root.rate.parameter_value("time_constant") == pytest.approx(0.01 * SMALL**0.5)
+
+
+@pytest.mark.parametrize("place", [64.693, 30.0])
+def test_a_node_or_cut_at_the_middle_of_a_tower_stays_there(place):
+    """A place at a hinge, or within rounding of it, belongs to the same segment in every scale."""
+    root = Assembly("tower")
+    root.world = World()
+    root.tower = FlexibleTower(heights=(15, 80, 144.386), diameters=(10, 10, 6.5), wall_thicknesses=(0.09, 0.05, 0.01),
+                               density=8346, young_modulus=2e11, shear_modulus=7.93e10, hinges=2,
+                               node_points=[place])  # fmt: skip
+    root.connect(root.world.frame, root.tower.frame_a)
+    model = fw.load(root)
+    assert_same(model.root, scaled(scaled(model, SMALL), 45).root)
+
+
+NOT_SCALED = {
+    "oo_star_feedback": "^feedback: its gains", "two_rotor_spar_rigid_feedback": "^feedback: its gains",
+    "volturnus_iea15": "^tower.beam.segment_0.mass cannot be given its scaled value",
+}  # fmt: skip
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(path.stem for path in Path("models").glob("*.yaml")))
+def test_every_shipped_model_there_and_back(name):
+    """In steady wind where it has one; what cannot be scaled is refused with its path."""
+    model = fw.load(name)
+    if "wind" in model.root.parts:
+        model = quiet(name)
+    if name in NOT_SCALED:
+        with pytest.raises(ParameterError, match=NOT_SCALED[name]):
+            scaled(model, SMALL)
+        return
+    assert_same(model.root, scaled(scaled(model, SMALL, density_ratio=FRESH), 45, density_ratio=1.025).root)
 
 
 @pytest.mark.parametrize(
@@ -270,7 +339,7 @@ def test_six_by_six():
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"wind_ratio": 1.2},
          r"^turbine.rotor.coefficients: coefficients over the tip speed ratio hold for a wind in proportion"),
         ("nrel5mw_land", {"wind.kind": "none"}, {"wind_ratio": 1.2}, r"^turbine.aerodynamics.blade: the loads of a bl"),
-        ("tlp_elastic", {"wind.kind": "none"}, {}, r"^platform.hull.database: .*nc is data in their own units"),
+        ("two_rotor_spar_rigid_feedback", {"wind.kind": "none"}, {}, r"^feedback: its gains are numbers in the units"),
         ("oc3_spar_rigid", {"wind.kind": "none", "sea.spectrum": "record", "sea.file": __file__}, {},
          r"^sea.file = .*test_scaling.py': a record has seconds and metres of its own, so the model cannot be scaled"),
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"units": {"sea.heading": "m"}}, r"'sea.heading' is no parameter or"),
