@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import at_or_before, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.beam_settings import BeamNodes, BeamSettings, BeamTable
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
@@ -250,10 +250,7 @@ class Beam(TwoFrames, BeamTable, BeamSettings, BeamNodes):
         self.connect(_link(self, frame, parts.tip - origin, "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
             point = _on_the_beam(self, k, given)
-            length = given_beam(self).length
-            _, frame, origin = next(
-                (c for c in carriers if at_or_before(point[2], c[0].segment.end, length)), carriers[-1]
-            )
+            _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
             self.connect(_link(self, frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
 
     def drawing(self) -> shapes.Drawing:

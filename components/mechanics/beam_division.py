@@ -113,14 +113,6 @@ class Piece:
     cut: int = 0
 
 
-NEAR = 1e-9  # of a beam's length: places so near are one, in whatever units a tower is drawn and scaled
-
-
-def at_or_before(place: Any, end: float, length: float) -> Any:
-    """Whether a place on a beam of this length is at the end of a segment, to rounding, or before it."""
-    return place <= end + NEAR * length
-
-
 def pieces(beam: BeamProperties, division: Division, cuts: Any = ()) -> list[Piece]:
     """The chain from root to tip, its segments parted at the cuts (distances from the root [m], in any order).
 
@@ -136,8 +128,6 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
     s = np.clip(given, 0.0, beam.length)
     for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
         raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
-    for segment in division.segments:
-        s[np.abs(s - segment.end) <= NEAR * beam.length] = segment.end
     found, order, last = [], np.argsort(s, kind="stable"), len(division.segments) - 1
     for i, segment in enumerate(division.segments):
         root = division.points[i - 1] if i else np.zeros(3)

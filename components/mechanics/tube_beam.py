@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from fowtlib.components.mechanics.beam import Beam, BeamHinge
-from fowtlib.components.mechanics.beam_division import KEPT, Division, at_or_before, divide, pieces
+from fowtlib.components.mechanics.beam_division import KEPT, Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.components.mechanics.beam_settings import BeamSettings, WallMaterial
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
@@ -197,7 +197,7 @@ def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cu
             found |= {("mass", name): segment.mass, ("centre", name): segment.centre[2] - origin}
             found |= {("across", name): segment.inertia[0, 0], ("along", name): segment.inertia[2, 2]}
             carrier = name
-        for k in [k for k in left if at_or_before(nodes[k], segment.end, table.length) or piece is chain[-1]]:
+        for k in [k for k in left if nodes[k] <= segment.end or piece is chain[-1]]:
             found[f"node of {carrier}", f"to_node_{k + 1}"] = nodes[k] - origin
             left.remove(k)
     found["arm", "end"] = table.length - origin

@@ -16,7 +16,6 @@ from fowtlib.components.flooding import BoxTank, RoundTank
 from fowtlib.components.hydro.modal_loads import read_modal_database
 from fowtlib.components.mechanics import AttitudeSensor, BeamProperties, FreeMotion, RigidBody, WorldForce
 from fowtlib.components.mooring import CatenaryLine
-from fowtlib.components.support import FlexibleTower
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.similarity import Similarity, factors, six_by_six
@@ -297,19 +296,6 @@ def test_a_derivative_says_the_unit_of_its_output():
     back = scaled(small, 45).root.rate
     assert small.root.rate.parameter_value("gain") == back.parameter_value("gain") == 1.0
     assert small.root.rate.parameter_value("time_constant") == pytest.approx(0.01 * SMALL**0.5)
-
-
-@pytest.mark.parametrize("place", [64.693, 30.0])
-def test_a_node_or_cut_at_the_middle_of_a_tower_stays_there(place):
-    """A place at a hinge, or within rounding of it, belongs to the same segment in every scale."""
-    root = Assembly("tower")
-    root.world = World()
-    root.tower = FlexibleTower(heights=(15, 80, 144.386), diameters=(10, 10, 6.5), wall_thicknesses=(0.09, 0.05, 0.01),
-                               density=8346, young_modulus=2e11, shear_modulus=7.93e10, hinges=2,
-                               node_points=[place])  # fmt: skip
-    root.connect(root.world.frame, root.tower.frame_a)
-    model = fw.load(root)
-    assert_same(model.root, scaled(scaled(model, SMALL), 45).root)
 
 
 NOT_SCALED = {
