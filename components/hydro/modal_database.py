@@ -13,6 +13,7 @@ from fowtlib.components.hydro.database import HydrodynamicDatabase, at_heading, 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.stored_numbers import EXCITATION, excitation_of, missing_from, stored_numbers
 from fowtlib.language.netcdf_files import add_variable, set_attributes, write_netcdf
+from fowtlib.language.similarity import Similarity, six_by_six
 from fowtlib.language.whole_files import write_whole
 
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix, as of a rigid body
@@ -145,6 +146,27 @@ class ModalDatabase:
             A_zero=self.A_zero[kept, kept], X=self.X[:, :, kept], among=self.among[:count, :count],
             with_rigid=self.with_rigid[:count], shapes=self.shapes[:count],
         )  # fmt: skip
+
+    ending = ".nc"
+
+    def in_similarity(self, similarity: Similarity) -> ModalDatabase:
+        """The data of the same hull in another scale, its water depth with it; a coordinate is a length."""
+        one, mass, damping = similarity.factor, self._factors(similarity, "kg"), self._factors(similarity, "N*s/m")
+        stiffness = self._factors(similarity, "N/m")
+        rigid = stiffness[:6, :6]
+        moved = np.array([1.0] * 3 + [one("rad/m")] * 3)
+        return replace(
+            self, omega=self.omega * one("rad/s"), A=self.A * mass, B=self.B * damping, A_inf=self.A_inf * mass,
+            A_zero=self.A_zero * mass, X=self.X * stiffness[0], C=self.C * rigid, among=self.among * one("N/m"),
+            with_rigid=self.with_rigid * rigid[0], nodes=self.nodes * one("m"), shapes=self.shapes * moved,
+            at_rest=self.at_rest * np.array([one("N")] * 3 + [one("N*m")] * 3), volume=self.volume * one("m^3"),
+            centre_of_buoyancy=self.centre_of_buoyancy * one("m"), rho=self.rho * one("kg/m^3"),
+            water_depth=self.water_depth * one("m"),
+        )  # fmt: skip
+
+    def _factors(self, similarity: Similarity, unit: str) -> np.ndarray:
+        """Factors (m, m) of a matrix over forces, moments, and the loads of shapes, which go as forces do."""
+        return np.vectorize(similarity.factor, otypes=[float])(six_by_six(unit, self.count))
 
     def write(self, path: str | Path) -> None:
         """Write a netCDF file that `read` reads; every variable has a unit and a checksum. Raises WriteError."""

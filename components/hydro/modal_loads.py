@@ -17,6 +17,7 @@ from fowtlib.components.mechanics.connectors import ModalCoordinates
 from fowtlib.language import Array, Data, Number, Vector, data, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.data_files import remembered
+from fowtlib.language.similarity import six_by_six
 
 
 @remembered()
@@ -48,6 +49,8 @@ class ModalLoad(PlatformLoad):
 
 class ModalAddedMass(ModalLoad, AddedMass):
     """Inertia of the water that moves at once with the body and its shapes; see AddedMass."""
+
+    units_within = {"matrix": lambda self: six_by_six("kg", self.shapes)}
 
     matrix: Array = param(
         shape=lambda self: (6 + self.shapes, 6 + self.shapes), doc="added mass at infinite frequency, SI"
@@ -106,6 +109,8 @@ class ShapeHydrostatics(ModalLoad):
     load on shapes = -among q - with_rigid d, on the platform -with_rigid^T q in its heading axes: buoyancy has a
     potential. See hydro.deformation.
     """
+
+    units_within = {"with_rigid": ("N/m", "N/m", "N/m", "N", "N", "N")}
 
     among: Array = param(shape=("shapes", "shapes"), unit="N/m", doc="stiffness between shapes")
     with_rigid: Array = param(shape=("shapes", 6), doc="stiffness of shapes with the rigid motions, SI")

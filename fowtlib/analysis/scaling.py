@@ -150,6 +150,8 @@ class _Wanted:
             self.used.add(path)
             return self.similarity.factor(self.units[path])
         within = part.units_within.get(name)
+        if inspect.isfunction(within):
+            within = within(part)
         if within is None:
             if _is_general(part) and field.unit in ("1", ""):
                 return 1.0
@@ -171,8 +173,10 @@ class _Wanted:
         unknown = [word for word in ports if self.signals.get((id(part), word)) is None]
         if unknown:
             value = np.abs(part.parameter_value(name))
-            if not part.is_set(name) and (within == "y/u" or np.all(value >= _UNLIMITED)):
-                return factor  # a filter, whose gain is 1, or a limit that is not there
+            if not part.is_set(name) and within == "y/u":
+                return 1.0  # a filter or a derivative, whose gain is 1: that tells the unit of y
+            if not part.is_set(name) and np.all(value >= _UNLIMITED):
+                return factor  # a limit that is not there
             raise ParameterError(
                 f"{path} is in the unit of the signal {join(part.path, unknown[0])}, which nothing says; "
                 f"give it: units={{'{join(part.path, unknown[0])}': 'N'}}, for example."

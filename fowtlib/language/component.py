@@ -76,7 +76,9 @@ class Component(Composite):
     """Parameters of its base class which a kind takes no notice of."""
 
     units_within: dict[str, Any] = {}
-    """Units of parameters that a declaration cannot say: by element, or of a general block by its signals, "y/u"."""
+    """Units of parameters that a declaration cannot say: by element, or of a general block by its signals, "y/u".
+
+    A function of the component where the elements are as many as it says."""
 
     in_own_units: dict[str, str] = {}
     """Parameters with data that no scaled model can have, and why; under "" the component itself."""

@@ -64,13 +64,14 @@ class Scalable(Protocol):
         ...
 
 
-def six_by_six(unit: str) -> np.ndarray:
+def six_by_six(unit: str, shapes: int = 0) -> np.ndarray:
     """Units (6, 6) of a matrix over three translations and three rotations, by that of its first element.
 
-    "N/m" of a stiffness makes N/m, N and N*m; "kg" of a mass makes kg, kg*m and kg*m^2.
+    "N/m" of a stiffness makes N/m, N and N*m; "kg" of a mass makes kg, kg*m and kg*m^2. shapes: rows and columns behind
+    them of a body that deforms, whose coordinates are lengths as translations are.
     """
     lengths = ("", "*m", "*m^2")
-    turns = np.arange(6) >= 3
+    turns = (np.arange(6 + shapes) >= 3) & (np.arange(6 + shapes) < 6)
     return np.array([[f"{unit}{lengths[int(i) + int(j)]}" for j in turns] for i in turns])
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fowtlib as fw
 from fowtlib.analysis.scaling import scaled, store_data
-from fowtlib.components.blocks import ButterworthLowPass, Constant, Gain, Limiter, Sine, Table1D
+from fowtlib.components.blocks import ButterworthLowPass, Constant, Derivative, Gain, Limiter, Sine, Table1D
 from fowtlib.components.environment import World
 from fowtlib.components.flooding import BoxTank, RoundTank
-from fowtlib.components.mechanics import BeamProperties, FreeMotion, RigidBody, WorldForce
+from fowtlib.components.hydro.modal_loads import read_modal_database
+from fowtlib.components.mechanics import AttitudeSensor, BeamProperties, FreeMotion, RigidBody, WorldForce
 from fowtlib.components.mooring import CatenaryLine
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, ParameterError
@@ -261,6 +263,59 @@ def test_a_beam_bends_in_proportion(tmp_path):
 def test_six_by_six():
     assert six_by_six("kg").tolist()[0][5] == "kg*m"
     assert six_by_six("N/m").tolist()[4][4] == "N/m*m^2"
+    assert six_by_six("kg", 2)[4, 3:].tolist() == ["kg*m^2", "kg*m^2", "kg*m^2", "kg*m", "kg*m"]
+
+
+def test_a_hull_that_bends(tmp_path):
+    """Shapes move in metres: the load at rest on one is a force, its turns are per metre; frequencies go as all do."""
+    data = read_modal_database("models/data/tlp_elastic/shapes.nc")
+    similar = Similarity(SMALL, FRESH)
+    data.in_similarity(similar).write(tmp_path / "small.nc")
+    small = read_modal_database(tmp_path / "small.nc")
+    work, less = (np.einsum("kpi,pi->k", one.shapes, one.at_rest) for one in (data, small))
+    np.testing.assert_allclose(less, work * similar.factor("N"), rtol=1e-9, atol=1e-12 * np.abs(work).max())
+    squared = [one.among[0, 0] / one.A_inf[6, 6] for one in (data, small)]
+    assert squared[1] == pytest.approx(squared[0] / SMALL, rel=1e-12)
+    rates = [np.linalg.eigvals(np.linalg.solve(one.A_inf, one.B[3])) for one in (data, small)]
+    largest = [np.abs(rate).max() for rate in rates]  # of all motions and shapes, whose units mix in the matrices
+    assert largest[1] == pytest.approx(largest[0] * SMALL**-0.5, rel=1e-9)
+    pressure, power = (np.einsum("nhi,ij,nhj->nh", one.X.conj(), np.linalg.inv(one.A_inf), one.X).real
+                       for one in (data, small))  # fmt: skip
+    np.testing.assert_allclose(power, pressure * similar.factor("N^2/m^2/kg"), rtol=1e-8)
+    back = small.in_similarity(similar.inverse)
+    for name in ("omega", "A", "B", "X", "C", "with_rigid", "nodes", "shapes", "at_rest", "water_depth"):
+        np.testing.assert_allclose(getattr(back, name), getattr(data, name), rtol=1e-12, err_msg=name)
+
+
+def test_a_derivative_says_the_unit_of_its_output():
+    """A gain of 1 stays 1, there and back: what comes out is a rate of what goes in, in either scale."""
+    root = blocks(rate=Derivative(time_constant=0.01), turn=AttitudeSensor(continuous_yaw=False))
+    root.connect(root.motion.frame_b, root.turn.frame)
+    root.connect(root.turn.pitch, root.rate.u)
+    small = scaled(fw.load(root), SMALL)
+    back = scaled(small, 45).root.rate
+    assert small.root.rate.parameter_value("gain") == back.parameter_value("gain") == 1.0
+    assert small.root.rate.parameter_value("time_constant") == pytest.approx(0.01 * SMALL**0.5)
+
+
+NOT_SCALED = {
+    "oo_star_feedback": "^feedback: its gains", "two_rotor_spar_rigid_feedback": "^feedback: its gains",
+    "volturnus_iea15": "^tower.beam.segment_0.mass cannot be given its scaled value",
+}  # fmt: skip
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(path.stem for path in Path("models").glob("*.yaml")))
+def test_every_shipped_model_there_and_back(name):
+    """In steady wind where it has one; what cannot be scaled is refused with its path."""
+    model = fw.load(name)
+    if "wind" in model.root.parts:
+        model = quiet(name)
+    if name in NOT_SCALED:
+        with pytest.raises(ParameterError, match=NOT_SCALED[name]):
+            scaled(model, SMALL)
+        return
+    assert_same(model.root, scaled(scaled(model, SMALL, density_ratio=FRESH), 45, density_ratio=1.025).root)
 
 
 @pytest.mark.parametrize(
@@ -270,7 +325,7 @@ def test_six_by_six():
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"wind_ratio": 1.2},
          r"^turbine.rotor.coefficients: coefficients over the tip speed ratio hold for a wind in proportion"),
         ("nrel5mw_land", {"wind.kind": "none"}, {"wind_ratio": 1.2}, r"^turbine.aerodynamics.blade: the loads of a bl"),
-        ("tlp_elastic", {"wind.kind": "none"}, {}, r"^platform.hull.database: .*nc is data in their own units"),
+        ("two_rotor_spar_rigid_feedback", {"wind.kind": "none"}, {}, r"^feedback: its gains are numbers in the units"),
         ("oc3_spar_rigid", {"wind.kind": "none", "sea.spectrum": "record", "sea.file": __file__}, {},
          r"^sea.file = .*test_scaling.py': a record has seconds and metres of its own, so the model cannot be scaled"),
         ("oc3_spar_rigid", {"wind.kind": "none"}, {"units": {"sea.heading": "m"}}, r"'sea.heading' is no parameter or"),
