@@ -52,6 +52,8 @@ def declare(commands: Any) -> None:
     text = "equivalent: suits the response itself, and knows of corners; quadratic: with products of fluctuations too; "
     text += "default: tangent"
     parser.add_argument("--linearisation", choices=("tangent", "equivalent", "quadratic"), default="tangent", help=text)
+    text = "what blades meet is as wide as the deviation of the rotor speed makes it; for blade elements in a field"
+    parser.add_argument("--varying-speed", action="store_true", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")
@@ -80,7 +82,7 @@ def show_response(arguments: argparse.Namespace) -> int:
     tables.check(arguments)
     model = loading.load(arguments)
     names = arguments.outputs.split(",") if arguments.outputs else None
-    found = response(model, outputs=names, linearisation=arguments.linearisation)
+    found = response(model, outputs=names, linearisation=arguments.linearisation, varying_speed=arguments.varying_speed)
     moving = [name for name, mean in zip(found.outputs, found.mean, strict=True)
               if found.std(name) > LEAST * max(abs(mean), 1e-6)]  # fmt: skip
     if arguments.plot:
@@ -95,6 +97,7 @@ def show_response(arguments: argparse.Namespace) -> int:
         load = found.equivalent_load(name, arguments.exponent)
         rows.append([f"{name} [{unit}]", mean, found.std(name), *shares, *extremes, load])
     method = "" if found.linearisation == "tangent" else f"; {found.linearisation} linearisation"
+    method += "; varying rotor speed" if arguments.varying_speed else ""
     tables.say(arguments, weather(model, arguments) + method)
     tables.show(arguments, columns, rows)
     say_saved(arguments.plot)
@@ -112,6 +115,8 @@ def show_states(arguments: argparse.Namespace) -> int:
             raise ModelError(f"--{option} is for one state; of many states --each saves the numbers.")
     if arguments.linearisation != "tangent":
         raise ModelError(f"--linearisation {arguments.linearisation} is for one state.")
+    if arguments.varying_speed:
+        raise ModelError("--varying-speed is for one state.")
     if arguments.states and (arguments.speeds or arguments.height or arguments.bins):
         raise ModelError("--speeds, --height and --bins choose states of a --site; --states names them all.")
     check_target(arguments.each, (".csv", ".nc"), arguments.force)

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 from scipy.special import ndtri
 
+from fowtlib.frequency.driven import frequency_widths
 from fowtlib.solving import LinearModel, State
 from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.rates import rate_states
@@ -138,10 +139,10 @@ def with_states(linear: LinearModel, outputs: int, rows: np.ndarray, names: Sequ
 
 def covariance(H: Mapping[str, np.ndarray], spectra: Mapping[str, np.ndarray], frequency: np.ndarray) -> np.ndarray:
     """Of outputs (m,), from transfer functions (q, m, channels) and spectra per Hz of what drives them."""
-    total = np.zeros(())
+    total, widths = np.zeros(()), frequency_widths(frequency)[:, None, None]
     for path, transfer in H.items():
-        density = (transfer @ spectra[path]) @ transfer.conj().transpose(0, 2, 1)
-        total = total + np.trapezoid(density, frequency, axis=0).real
+        weighed = (transfer @ spectra[path]) * widths
+        total = total + np.tensordot(weighed, transfer.conj(), ((0, 2), (0, 2))).real
     return np.asarray(total)
 
 

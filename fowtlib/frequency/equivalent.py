@@ -6,6 +6,8 @@ Gaussian with the covariance of the response itself: expected values and slopes 
 (frequency.expectations), about the mean at which the expected rates vanish. Covariance, mean and linear model are found
 together: on the same frequencies as soon as they hardly change, and in steps that get shorter, so that near a swing
 that hardly decays, which makes a percent of a slope ten of a deviation, the points of the means are averaged out.
+With products of fluctuations covariance, slopes and spectra go the same share of a step (frequency.relaxation): one
+that goes whole sets off a swing among the others.
 
 Of rotors of blade elements that turn, the laws of controllers and actuators alone are so; see TurningRows.
 
@@ -27,13 +29,14 @@ from fowtlib.frequency.driven import Grid, Processes
 from fowtlib.frequency.expected_means import RestingRows, TurningRows, deviations_of
 from fowtlib.frequency.products import PRODUCTS, Products, channels_of, cross_spectra, fed_back, with_channels
 from fowtlib.frequency.quadratic_rows import QuadraticRows
+from fowtlib.frequency.relaxation import Relaxation
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import State
 from fowtlib.solving.excited import ExcitedModel, excited_model
 
-ITERATIONS = 60
+ITERATIONS, WITH_PRODUCTS = 60, 30  # at most; with products one takes three times as long
 WHOLE = 6  # from this iteration on the way to the covariance that is found is shortened, as this over their number
 SETTLED = 3e-3  # change of the deviation of a result, and distance from that over the last iterations, to end at
 PATIENT, NEARLY = 15, 0.03  # after so many iterations, where a swing hardly decays and the points of the means tell
@@ -91,21 +94,30 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     gains: list[np.ndarray] | None = None
     smooth: np.ndarray | None = None
     response: Answers | None = None
+    relaxed, cross = Relaxation(), np.zeros(())
     alone: Equivalent | None = None
     sizes, first, change, near = np.zeros(0), 0, np.inf, not quadratic  # sizes: of the loads alone
     try:
-        for iteration in range(1, ITERATIONS + 1):
+        most = WITH_PRODUCTS if quadratic else ITERATIONS
+        for iteration in range(1, most + 1):
             excited, processes = driven(excited)
             products: Products | None = None
             near = near or change < NEAR
             if near and rows.quadratic is not None and response is not None:
-                excited, processes, products = _with_products(excited, processes, rows.quadratic, response, alone)
+                excited, processes, products = _with_products(excited, processes, rows.quadratic, response, cross,
+                                                              alone)  # fmt: skip
             settled, damping = _settled(excited, processes, given, tolerance, gains)
             excited, gains, grid = settled
             response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
             found, deviations = response.covariance, response.deviations
             count = iteration - first
             share = min(1.0, WHOLE / count)
+            if products is not None and guess is not None:
+                share = relaxed(_of_guess(found, guess))
+            if quadratic:
+                own = cross_spectra(response.transfer, response.spectra)
+                kept = products is not None and given is not None  # the frequencies are those before
+                cross = cross + share * (own - cross) if kept else own
             smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
             change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
             enough = SETTLED if count <= PATIENT else NEARLY
@@ -114,18 +126,19 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
                 whole = Equivalent(state, excited, gains, grid, iteration, shown, response.through)
                 if products is None or alone is not None:
                     return whole
-                alone, sizes, first = replace(whole, alone=True), deviations, iteration
+                alone, sizes, first, relaxed = replace(whole, alone=True), deviations, iteration, Relaxation()
             if alone is not None and (iteration - first > FED_BACK or _swung(deviations, sizes)):
                 return alone
             if last is not None and _change(deviations, last) < HELD:
                 given = grid.frequency
             guess = CALM * found if guess is None else guess + share * (found - guess)
             last = deviations
-            state, off = rows.stepped(excited, state, guess)
+            state, off = rows.stepped(excited, state, guess, 1.0 if products is None else share)
             excited = excited_model(plant, state, names, off, () if rows.quadratic is None else rows.quadratic.rows)
+        way, other = ("quadratic", "equivalent") if quadratic else ("equivalent", "tangent")
         raise SimulationError(
-            f"the equivalent linearisation does not settle within {ITERATIONS} iterations; the last change of a "
-            f"deviation is {change:.2g}. Take linearisation='tangent', or runs."
+            f"the {way} linearisation does not settle within {most} iterations; the last change of a deviation is "
+            f"{change:.2g}. Take linearisation='{other}', or runs."
         )
     except SimulationError:
         if alone is None:
@@ -197,20 +210,28 @@ class Answers:
 
 
 def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows, response: Answers,
-                   alone: Equivalent | None) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
+                   cross: np.ndarray, alone: Equivalent | None,
+                   ) -> tuple[ExcitedModel, Processes, Products | None]:  # fmt: skip
     """The model and its processes with the products of fluctuations of a response.
 
-    alone: what was found with their loads alone; None: not yet.
+    cross: spectra (q, n, n) of its [states; inputs]. alone: what was found with their loads alone; None: not yet.
     """
     channels = channels_of(excited, quadratic, response.rates, response.deviations)
     if channels is None:
         return excited, processes, None
     first = excited.driven
     excited = with_channels(excited, channels)
-    cross = cross_spectra(response.transfer, response.spectra, channels.directions)
-    products = Products(channels, response.frequency, cross, alone is not None)
+    of_directions = channels.directions @ cross @ channels.directions.T
+    products = Products(channels, response.frequency, of_directions, alone is not None)
     own = {path: replace(process, inputs=excited.driven) for path, process in processes.items()}
     return excited, own | {PRODUCTS: products.process(first, excited.driven)}, products
+
+
+def _of_guess(found: np.ndarray, guess: np.ndarray) -> np.ndarray:
+    """What a covariance that is found has more than the guess, over the deviations of that: (n^2,)."""
+    sizes = deviations_of(guess)
+    sizes[sizes <= 1e-9 * sizes.max(initial=0.0)] = np.inf  # does not move
+    return ((found - guess) / np.outer(sizes, sizes)).ravel()
 
 
 def _swung(new: np.ndarray, old: np.ndarray) -> bool:

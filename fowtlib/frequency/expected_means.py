@@ -43,6 +43,7 @@ class RestingRows:
         self.of = Expectations(plant, self.at, plant.functions.once(key, make), quadratic)
         self.further, self.step = further, np.inf
         self.expected: Expected | None = None
+        self.slopes_so_far: list[np.ndarray] = []
         self.moving = moving_states(self.at.functions, set())
         self.to = np.zeros((0, 0))
 
@@ -54,10 +55,10 @@ class RestingRows:
         q = np.concatenate([state.u, state.d])
         return self.further.mixing(state.t, state.x, state.z, q)[:count, :inputs]
 
-    def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray) -> tuple[State, Off]:
+    def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray, share: float) -> tuple[State, Off]:
         """The mean one step of Newton nearer to where expected rates vanish, and how slopes differ from those there.
 
-        guess: covariance of [states; inputs] of the linear model.
+        guess: covariance of [states; inputs] of the linear model. share: of these slopes, beside those so far.
         """
         at = [[item.path for item in self.at.dae.states].index(path) for path in excited.linear.states]
         M = self.mixing(state, len(guess) - len(at))
@@ -84,7 +85,10 @@ class RestingRows:
         new = replace(new, z=state.z + step[len(self.moving) :])  # expected unknowns solve expected equations
         whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means_of_laws(self.at, new)])
         there = self.of.disturbed.slopes(new.t, new.x, new.z, whole)
-        return new, (found.by_x - there[0], found.by_z - there[1], found.by_signals - there[2])
+        own = (found.by_x, found.by_z, found.by_signals)
+        self.slopes_so_far = [old + share * (by - old) for old, by in zip(self.slopes_so_far or own, own, strict=True)]
+        by_x, by_z, by_signals = (by - at for by, at in zip(self.slopes_so_far, there, strict=True))
+        return new, (by_x, by_z, by_signals)
 
     @property
     def quadratic(self) -> QuadraticRows | None:
@@ -111,8 +115,8 @@ class TurningRows:
         self.plant, self.at, self.step = plant, plant.at(state.parameters), np.inf
         self.of = LawExpectations(plant, self.at)
 
-    def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray) -> tuple[State, Off]:
-        """See the other; the mean is that over a revolution."""
+    def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray, share: float) -> tuple[State, Off]:
+        """See the other; the mean is that over a revolution, and the slopes are those of this guess alone."""
         average, mean = excited.rotating.average, excited.rotating.mean
         paths = [item.path for item in self.at.dae.states]
         own = [k for k, path in enumerate(excited.linear.states) if path in set(paths)]

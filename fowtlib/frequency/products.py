@@ -172,10 +172,14 @@ def spectra_of_products(forms: np.ndarray, step: float, R: np.ndarray) -> tuple[
     """
     length, (k, m) = len(R), forms.shape[:2]
     products = np.empty((length, k, k))
-    for part in np.array_split(np.arange(length), max(length // 1024, 1)):
-        left = (forms[None] @ R[part, None]).reshape(part.size, k, m * m)
-        right = (R[part, None] @ forms[None]).reshape(part.size, k, m * m)
-        products[part] = left @ right.transpose(0, 2, 1) / 2
+    by_row, by_column = forms.reshape(k * m, m), forms.transpose(1, 0, 2).reshape(m, k * m)
+    for part in np.array_split(np.arange(length // 2 + 1), max(length // 2048, 1)):
+        left = (by_row @ R[part].transpose(1, 0, 2).reshape(m, -1)).reshape(k, m, part.size, m)
+        right = (R[part].reshape(-1, m) @ by_column).reshape(part.size, m, k, m)
+        left = left.transpose(2, 0, 1, 3).reshape(part.size, k, m * m)
+        right = right.transpose(0, 1, 3, 2).reshape(part.size, m * m, k)
+        products[part] = left @ right / 2
+    products[length // 2 + 1 :] = products[length - length // 2 - 1 : 0 : -1].transpose(0, 2, 1)  # R(-t) = R(t)'
     density = np.fft.rfft(products, axis=0) * (2 / (length * step))
     return step * np.arange(len(density)), density
 
@@ -210,14 +214,9 @@ def _at(frequency: np.ndarray, lines: np.ndarray, values: np.ndarray) -> np.ndar
     return found.reshape(-1, *values.shape[1:])
 
 
-def cross_spectra(transfer: Mapping[str, np.ndarray], spectra: Mapping[str, np.ndarray],
-                  rows: np.ndarray) -> np.ndarray:  # fmt: skip
-    """Of sums of what transfer functions (q, n, channels) are of, by rows (m, n): (q, m, m) per Hz."""
-    total = np.zeros(())
-    for path, H in transfer.items():
-        y = rows @ H
-        total = total + y @ spectra[path] @ y.conj().transpose(0, 2, 1)
-    return np.asarray(total)
+def cross_spectra(transfer: Mapping[str, np.ndarray], spectra: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Of what transfer functions (q, n, channels) are of: (q, n, n) per Hz."""
+    return np.asarray(sum((H @ spectra[path]) @ H.conj().transpose(0, 2, 1) for path, H in transfer.items()))
 
 
 def _between(matrix: np.ndarray, at: int, columns: np.ndarray) -> np.ndarray:

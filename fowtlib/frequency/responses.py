@@ -52,6 +52,10 @@ ALONE = (
     "products of fluctuations are in this response as loads of their own, but not with what they make of products "
     "again: with that no response was found near it. Deviations may be too small; check them with runs."
 )
+NONE_TURN = (
+    "varying_speed: no rotor of blade elements turns through a field of turbulence here (--wind turbulence:8), so that "
+    "nothing is met at multiples of its speed. Leave it out."
+)
 SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
 
 
@@ -90,7 +94,7 @@ def response(
                  the response makes it (solving.random_fields.density); a second pass, for rotors of blade elements
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag or the equivalent
-    linearisation does not settle.
+    linearisation does not settle; ModelError for a varying speed where no rotor turns through a field.
     """
     plant = plant_of(model)
     _check_numbers(tolerance, state)
@@ -103,6 +107,8 @@ def response(
     with study.tree(parameters) as root:
         state = study.mean(parameters, root, names) if state is None else state
         excited = study.excited(state, names)
+        if varying_speed and not any(item.turn >= 0 for _, places in excited.fields for item in places):
+            raise ModelError(NONE_TURN)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter
             known = study.rows(parameters, root)
@@ -141,7 +147,7 @@ def response(
         rows = np.vstack([np.eye(len(linear.states))[[linear.states.index(path) for path in paths]], by_states])
         names_of = [*paths, *(f"speed of rotor {k}" for k in range(len(by_states)))]
         answers = fed_back(grid.answers(with_states(linear, excited.results, rows, names_of)), through)
-        if varying_speed and len(by_states):
+        if varying_speed:
             speeds = _speeds(answers, grid, len(by_states))
             excited = with_varying_speeds(excited, speeds, grid.frequency)
             with one_evaluation():

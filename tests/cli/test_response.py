@@ -43,6 +43,22 @@ def test_mistakes_of_response(capsys: pytest.CaptureFixture[str]):
     assert "takes anything from random waves or wind" in capsys.readouterr().err
     assert main(["response", "oc3_spar_rigid_bem", "--linearisation", "quadratic"]) == 2
     assert "does not know the products in rotors of blade elements that turn" in capsys.readouterr().err
+    assert main(["response", "oc3_spar_rigid", "--wind", "turbulence:8", "--varying-speed"]) == 2
+    assert "no rotor of blade elements turns through a field of turbulence" in capsys.readouterr().err
+
+
+def test_a_speed_that_varies_widens_what_blades_meet(capsys: pytest.CaptureFixture[str]):
+    """In 8 m/s three times a turn, 0.45 Hz, is near the tower's first side-side mode; thrust is far below."""
+    asked = ["response", "nrel5mw_land", "--wind", "turbulence:8,class=B", "--json"]
+    asked += ["--outputs", "thrust,tower_base_side_side_moment"]
+    found = []
+    for options in ([], ["--varying-speed"]):
+        assert main([*asked, *options]) == 0
+        out = capsys.readouterr().out
+        found.append([row["std"] for row in json.loads(out[out.index("[") :])])
+    steady, varying = found
+    assert varying[0] == pytest.approx(steady[0], rel=0.01)
+    assert abs(varying[1] / steady[1] - 1) > 0.02
 
 
 def test_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -89,6 +105,7 @@ def test_mistakes_of_response_over_many_states(tmp_path: Path, capsys: pytest.Ca
     assert "--bins belongs to many states" in said("--bins")
     assert "--plot is for one state" in said("--site", "northern_north_sea", "--plot", "x.png")
     assert "equivalent is for one state" in said("--site", "northern_north_sea", "--linearisation", "equivalent")
+    assert "--varying-speed is for one state" in said("--site", "northern_north_sea", "--varying-speed")
     assert "there is no site 'nowhere'" in said("--site", "nowhere")
     states = tmp_path / "states.csv"
     states.write_text("wind_speed,Hs,Tp,probably\n8,2,9,0.4\n")

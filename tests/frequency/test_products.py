@@ -14,8 +14,10 @@ import pytest
 import fowtlib as fw
 from fowtlib.frequency import equivalent as search
 from fowtlib.frequency.products import PRODUCTS, correlations, spectra_of_products
+from fowtlib.frequency.relaxation import Relaxation
 from fowtlib.frequency.responses import ProductsWarning
 from fowtlib.language import Scalar, der, eq, param, var
+from fowtlib.language.errors import SimulationError
 from tests.frequency.test_equivalent import GRID, Filter, filtered
 
 FINE = np.geomspace(2e-3, 9.0, 500)  # Hz
@@ -180,3 +182,29 @@ def test_where_what_products_make_of_products_swings_out_it_is_the_loads_alone_w
     monkeypatch.setattr(search, "SWUNG", 3.0)
     with pytest.warns(ProductsWarning):
         assert fw.response(model, frequencies=FINE, linearisation="quadratic").std("y") == alone.std("y")
+
+
+def test_a_search_whose_whole_steps_grow_ends_by_steps_that_turn_back():
+    """A variance v = 1/(0.125 v - 0.05), as of a swing that only its own size damps, rough by 5 %: 3.04.
+
+    The slope of the right side is -1.2 there, so that whole steps grow; with 0.9 in place of 0.05 it is -8.4.
+    """
+    for lost in (0.05, 0.9):
+        root = (lost + np.sqrt(lost**2 + 0.5)) / 0.25
+        slope = -0.125 * root**2
+        assert slope < -1.1
+        relaxed, v = Relaxation(), np.array([1.2 * root])
+        for k in range(30):
+            rough = 1 + 0.05 * np.sin(50.0 * k**2)
+            found = 1 / np.maximum(0.125 * v - lost, 0.05 / root) * rough
+            v = v + relaxed(found - v) * (found - v)
+        assert v == pytest.approx(root, rel=0.02), lost
+
+
+def test_a_search_with_products_that_does_not_settle_is_refused(monkeypatch):
+    monkeypatch.setattr(search, "WITH_PRODUCTS", 3)  # it takes more
+    root = fw.Assembly("filters")
+    root.one = Damped(level=0.5)
+    model = fw.Model(root, outputs={name: f"one.{name}" for name in ("x", "y")})
+    with pytest.raises(SimulationError, match="quadratic linearisation does not settle within 3 iterations.*'equival"):
+        fw.response(model, frequencies=FINE, linearisation="quadratic")
