@@ -24,8 +24,8 @@ heel. Ballast is as solid unless --slack says that its surface stays level.
 With --stages no arms: draft, GM and depth of water at each stage of a file;
 a stage at which GM is not above `least` is refused. See docs/hydrostatics.md.
 
-With --stroke no arms: GM while a tower is raised by the water in its shaft,
-and where it falls below --least, the tanks run dry or the cylinder is too small.
+With --stroke no arms: GM while a tower is raised by the water in its shaft, and
+where it falls below --least, the tanks run dry or the cylinder is too small.
 
 examples:
   fowt stability oo_star_rigid --heel 0:60:5 --plot arms.png

@@ -128,6 +128,6 @@ def test_what_follows_from_a_parameter_keeps_its_bounds(tank, as_unit, instance_
 
 
 def test_bounds_that_a_given_value_ensures_are_not_checked_twice(tank):
-    checks = guarded(tank, tank.binding({})).dae.checks
+    checks = guarded(tank, tank.binding({}), 0.0125).dae.checks
     told = [check.message.split(" = ")[0] for check in checks]
     assert told == ["tank.store.time_constant"] * 3 + ["tank.store.share"] * 3

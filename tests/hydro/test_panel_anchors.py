@@ -113,6 +113,12 @@ def three_columns():
     return members_mesh(columns, [Pontoon(ends[i], ends[i - 1], width=3, height=3) for i in range(3)], 5.0)
 
 
+def test_numbers_are_the_same_each_time():
+    first, second = (PanelSolver(hemisphere(4, 12), 30.0, G)._solve(omega, np.zeros(1)) for omega in (0.8, 0.8))
+    for name, values in first.items():
+        np.testing.assert_array_equal(second[name], values)
+
+
 @pytest.mark.parametrize(
     ("make", "fold"), [(two_columns, 4), (three_columns, 3), (lambda: hemisphere(5, 16), 16)],
     ids=["planes", "thirds", "round"],

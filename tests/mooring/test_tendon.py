@@ -192,7 +192,7 @@ def test_dimensions_agree():
 
 def test_an_fmu_has_no_condition_of_an_equilibrium():
     plant = fw.load(platform()).compile()
-    levels = [[check.level for check in item.dae.checks] for item in (plant, guarded(plant, plant.binding()))]
+    levels = [[check.level for check in item.dae.checks] for item in (plant, guarded(plant, plant.binding(), 0.0125))]
     assert levels[0].count("rest") == 1 and "rest" not in levels[1]
     assert [level for level in levels[0] if level != "rest"] == levels[1][: len(levels[0]) - 1]
 

@@ -137,10 +137,15 @@ class Line:
 
     def __init__(self, model, stretches_on_the_seabed):
         mooring, hull = model.root.find("mooring"), model.root.find("hull")
-        self.w, self.EA, self.length, radius, fairlead = (
-            float(np.ravel(mooring.parameter_value(name))[0])
-            for name in ("weight_per_length", "axial_stiffness", "length", "anchor_radius", "fairlead_radius")
-        )
+        given = {name: mooring.parameter_value(name) for name in (
+            "weight_per_length", "axial_stiffness", "length", "anchor_radius", "fairlead_radius",
+            "mass_per_length", "diameter",
+        )}  # fmt: skip
+        of = {name: float(np.ravel(value)[0]) for name, value in given.items() if value is not None}
+        self.EA, self.length, radius = of["axial_stiffness"], of["length"], of["anchor_radius"]
+        fairlead = of["fairlead_radius"]
+        in_water = (of.get("mass_per_length", 0.0) - RHO * np.pi / 4 * of.get("diameter", 0.0) ** 2) * G
+        self.w = of.get("weight_per_length", in_water)
         self.reach, self.height = radius - fairlead, DEPTH + float(np.ravel(hull.parameter_value("node_heights"))[0])
         self.grounded = float(stretches_on_the_seabed)
 
