@@ -85,11 +85,12 @@ def values(root: fw.Component) -> dict[str, np.ndarray]:
     return found
 
 
-def assert_same(one: fw.Component, other: fw.Component) -> None:
+def assert_same(one: fw.Component, other: fw.Component, share: float = 1e-12) -> None:
+    """All numbers to the rounding of their digits, or to a share of the largest of an array."""
     first, second = values(one), values(other)
     assert first.keys() == second.keys()
     for path, value in first.items():
-        least = 1e-12 * np.abs(value).max(initial=0)
+        least = share * np.abs(value).max(initial=0)
         np.testing.assert_allclose(second[path], value, rtol=1e-11, atol=least, err_msg=path)
 
 
@@ -315,7 +316,8 @@ def test_every_shipped_model_there_and_back(name):
         with pytest.raises(ParameterError, match=NOT_SCALED[name]):
             scaled(model, SMALL)
         return
-    assert_same(model.root, scaled(scaled(model, SMALL, density_ratio=FRESH), 45, density_ratio=1.025).root)
+    back = scaled(scaled(model, SMALL, density_ratio=FRESH), 45, density_ratio=1.025)
+    assert_same(model.root, back.root, 1e-11)  # axes of bent blades come back to 3e-12
 
 
 @pytest.mark.parametrize(
