@@ -1,9 +1,11 @@
 """Response of the wind-tracing triangle to waves, rigid and elastic, calm and in steady wind (docs/wind_tracing.md).
 
     python benchmarks/wind_tracing_response.py [FIGURE.png]
+    python benchmarks/wind_tracing_response.py blades
 
 The turbines of `wind_tracing_rigid`, without tilt, so that it points into the wind; the hull bends with E = 35 GPa, is
-as good as rigid with 1e5 times that, and soft with 0.35 times.
+as good as rigid with 1e5 times that, and soft with 0.35 times. `blades`: rotors of blade elements beside those of
+coefficients in steady wind of 10 m/s, on the hull that bends and on the rigid one, blades and towers rigid.
 """
 
 import sys
@@ -28,11 +30,46 @@ WINDS = {
 def plant():
     """The model with rigid turbines on the hull that bends."""
     text = shipped_models()["wind_tracing_rigid"].read_text().replace("wind_tracing}", "wind_tracing_elastic}")
+    return compiled(text, {f"turbine_{name}.rotor.tilt": 0.0 for name in ("front", "left", "right")})
+
+
+def with_blade_elements():
+    """The model with loads on its blades, which do not bend, and neither do the towers."""
+    text = shipped_models()["wind_tracing"].read_text()
+    for bends, stiff in (("hinges: 2\n", "hinges: 0\n"), ("hinges: {value: 6", "hinges: {value: 0"),
+                         ("        damping_fore_aft: 0.00256 s\n", "")):  # fmt: skip
+        assert bends in text
+        text = text.replace(bends, stiff)
+    return compiled(text, {})
+
+
+def compiled(text, values):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.yaml"
         path.write_text(text)
-        tilts = {f"turbine_{name}.rotor.tilt": 0.0 for name in ("front", "left", "right")}
-        return fw.load(path, set=tilts).compile()
+        return fw.load(path, set=values).compile()
+
+
+def compare_blades(speed=10.0):
+    """Differences of all motions over the largest of each heading."""
+    wind = {"wind.kind": "steady", "wind.mean_speed": speed, "sea.spectrum": "still"}
+    within = PERIODS[PERIODS <= 25]
+    plants = (plant(), with_blade_elements())
+    for hull in ("rigid", "elastic"):
+        modulus = HULLS[hull]
+        given = {**wind, "platform.young_modulus": modulus, "platform.structural_damping": 0.03 * 35e9 / modulus}
+        states = [fw.mean_state(built, parameters=given) for built in plants]
+        for heading in HEADINGS:
+            coefficients, blades = (
+                np.abs(np.asarray(fw.linear_rao(
+                    built, 1 / within, outputs=MOTIONS, heading=np.radians(heading), state=state
+                ).response)) for built, state in zip(plants, states, strict=True)
+            )  # fmt: skip
+            for k, motion in enumerate(MOTIONS):
+                off = np.abs(blades - coefficients)[:, k]
+                sizes = f"{coefficients[:, k].max():.4f}, {blades[:, k].max():.4f}"
+                print(f"{hull:8} {heading:4} {motion:6} largest {sizes}, difference at most "
+                      f"{off.max():.5f} at {within[off.argmax()]:g} s")  # fmt: skip
 
 
 def responses(built):
@@ -96,6 +133,9 @@ def draw(found, path):
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["blades"]:
+        compare_blades()
+        sys.exit()
     table = responses(plant())
     show(table)
     if len(sys.argv) > 1:

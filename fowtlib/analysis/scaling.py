@@ -240,9 +240,10 @@ def _give(root: Component, wanted: _Wanted) -> None:
     given = [(part.path, name) for part in root.walk() for name in part.parameters
              if join(part.path, name) in wanted.values and _was_given(part, name)]  # fmt: skip
     while given:
-        refused = _set(root, given, wanted.values)
+        left = _set_by_part(root, given, wanted.values)  # as the heights of a tower and its nodes, which go together
+        refused = _set(root, left, wanted.values)
         if len(refused) == len(given):
-            refused = _set_by_part(root, refused, wanted.values)
+            raise next(iter(refused.values()))
         given = list(refused)
     tried = set[tuple[str, str]]()
     while wrong := _different(root, wanted.values):
@@ -288,20 +289,18 @@ def _set(root: Component, places: Iterable[tuple[str, str]], values: Mapping[str
 
 
 def _set_by_part(
-    root: Component, refused: dict[Any, ModelError], values: Mapping[str, Any]
-) -> dict[Any, ModelError]:
-    """What parts refuse one by one, as a blade and its radii, all of a part at once; ParameterError where none goes."""
-    left = dict(refused)
-    for path in {path: None for path, _ in refused}:
-        names = [name for of, name in refused if of == path]
+    root: Component, places: Iterable[tuple[str, str]], values: Mapping[str, Any]
+) -> list[tuple[str, str]]:
+    """Give values to all parameters of a part at once; those of parts that refuse that now."""
+    of_parts: dict[str, list[str]] = {}
+    for path, name in places:
+        of_parts.setdefault(path, []).append(name)
+    left = []
+    for path, names in of_parts.items():
         try:
             root.find(path).set_together({name: _plain(values[join(path, name)]) for name in names})
         except ModelError:
-            continue
-        for name in names:
-            del left[path, name]
-    if len(left) == len(refused):
-        raise next(iter(refused.values()))
+            left += [(path, name) for name in names]
     return left
 
 

@@ -301,7 +301,6 @@ def test_a_derivative_says_the_unit_of_its_output():
 
 NOT_SCALED = {
     "oo_star_feedback": "^feedback: its gains", "two_rotor_spar_rigid_feedback": "^feedback: its gains",
-    "volturnus_iea15": "^tower.beam.segment_0.mass cannot be given its scaled value",
 }  # fmt: skip
 
 
