@@ -2,10 +2,12 @@
 
     python benchmarks/wind_tracing_response.py [FIGURE.png]
     python benchmarks/wind_tracing_response.py blades
+    python benchmarks/wind_tracing_response.py poles
 
 The turbines of `wind_tracing_rigid`, without tilt, so that it points into the wind; the hull bends with E = 35 GPa, is
 as good as rigid with 1e5 times that, and soft with 0.35 times. `blades`: rotors of blade elements beside those of
-coefficients in steady wind of 10 m/s, on the hull that bends and on the rigid one, blades and towers rigid.
+coefficients in steady wind of 10 m/s, on the hull that bends and on the rigid one, blades and towers rigid. `poles`:
+the slow ones of that model, with the friction of the turret, over the wind.
 """
 
 import sys
@@ -72,6 +74,17 @@ def compare_blades(speed=10.0):
                       f"{off.max():.5f} at {within[off.argmax()]:g} s")  # fmt: skip
 
 
+def show_poles():
+    """Poles of less than 0.09 rad/s: the platform about the turret and on its lines."""
+    built = with_blade_elements()
+    for speed in (8.0, 10.0, 11.4, 12.0, 14.0, 18.0):
+        state = fw.mean_state(built, parameters={**WINDS["11.4 m/s"], "wind.mean_speed": speed})
+        for mode in fw.natural_modes(built, state):
+            pole = mode.eigenvalue
+            if mode.motion and abs(pole) < 0.09:
+                print(f"{speed:4} m/s: {pole.real:+.5f} +- {abs(pole.imag):.5f}i 1/s, {mode.name}")
+
+
 def responses(built):
     """Amplitudes (periods, motions) per metre of wave, by wind, hull and heading; angles in deg."""
     found = {}
@@ -135,6 +148,9 @@ def draw(found, path):
 if __name__ == "__main__":
     if sys.argv[1:] == ["blades"]:
         compare_blades()
+        sys.exit()
+    if sys.argv[1:] == ["poles"]:
+        show_poles()
         sys.exit()
     table = responses(plant())
     show(table)
