@@ -147,11 +147,7 @@ class BladeAerodynamics:
 
     def in_similarity(self, similarity: Similarity) -> BladeAerodynamics:
         """The blade in another scale with the same airfoils, whatever the Reynolds number says; angles stay."""
-        if similarity.wind != 1.0:
-            raise ParameterError(
-                "the loads of a blade are in proportion where the wind is to the other speeds; another ratio "
-                f"({similarity.wind:g}) makes another rotor."
-            )
+        similarity.refuse_other_wind("the loads of a blade are in proportion where the wind is to the other speeds")
         lengths = ("hub_radius", "tip_radius", "radius", "chord", "length", "curve", "sweep")
         return replace(self, **{name: getattr(self, name) * similarity.factor("m") for name in lengths})
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fowtlib.language.cubics import CubicSurface
 from fowtlib.language.data_files import number_rows, remembered
-from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -60,11 +60,8 @@ class CoefficientTable:
 
     def in_similarity(self, similarity: Similarity) -> CoefficientTable:
         """The same: coefficients over the tip speed ratio have no dimension, and it stays where the wind does."""
-        if similarity.wind != 1.0:
-            raise ParameterError(
-                "coefficients over the tip speed ratio hold for a wind in proportion to the other speeds; another "
-                f"ratio ({similarity.wind:g}) makes another rotor."
-            )
+        why = "coefficients over the tip speed ratio hold for a wind in proportion to the other speeds"
+        similarity.refuse_other_wind(why)
         return self
 
     def extended(self) -> CoefficientTable:

@@ -67,11 +67,7 @@ class LoadSlopes:
 
     def in_similarity(self, similarity: Similarity) -> LoadSlopes:
         """The slopes of the rotor in another scale, in a wind in proportion to the other speeds."""
-        if similarity.wind != 1.0:
-            raise ParameterError(
-                "slopes by the wind hold for a wind in proportion to the other speeds; another ratio "
-                f"({similarity.wind:g}) makes another rotor."
-            )
+        similarity.refuse_other_wind("slopes by the wind hold for a wind in proportion to the other speeds")
         units = {"wind_speed": "m/s", "rotor_speed": "rad/s", "radius": "m", "thrust": "m^3/s", "torque": "m^4/s",
                  "moment": "m^4/s"}  # fmt: skip
         return replace(self, **{name: getattr(self, name) * similarity.factor(unit) for name, unit in units.items()})

@@ -50,6 +50,11 @@ class Similarity:
         """What a speed of the wind is multiplied with."""
         return self.factor("m/s") * self.wind
 
+    def refuse_other_wind(self, why: str) -> None:
+        """ParameterError for data of a rotor that hold where the wind is in proportion to the other speeds."""
+        if self.wind != 1.0:
+            raise ParameterError(f"{why}; another ratio ({self.wind:g}) makes another rotor.")
+
     @property
     def inverse(self) -> Similarity:
         """The way back."""
