@@ -163,7 +163,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--file", default="dtu10mw_spar")
-    parser.add_argument("--iterations", type=int, default=60)
+    parser.add_argument("--iterations", type=int, help="at most, in place of those of the file")
     parser.add_argument("--region", type=float, default=0.04)
     parser.add_argument("--penalty", type=float, default=10.0, help="of limits that are broken by their size")
     parser.add_argument("--nearest", action="store_true")
@@ -192,7 +192,7 @@ def main() -> None:
         found.save(arguments.folder / "check.json")
         return
     asked = replace(nearest_to(read.design, design) if arguments.nearest else design, processes=arguments.processes)
-    options = {**read.optimiser, "iterations": arguments.iterations}
+    options = read.optimiser | ({"iterations": arguments.iterations} if arguments.iterations else {})
     how = {"region": arguments.region, "penalty": arguments.penalty, "say": say}
     found = asked.optimise(**options, options=how, resume=True, say=say,
                            journal=str(arguments.folder / "journal.jsonl"))  # fmt: skip
