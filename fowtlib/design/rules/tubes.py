@@ -211,6 +211,21 @@ def unevenness(heights: Any, values: Any) -> Any:
     return total((second - first) ** 2)
 
 
+def sizes_at(heights: Any, known_heights: Any, known_sizes: Any) -> Any:
+    """Sizes [m] at heights, linear between those that are known and on along the outermost pieces: walls by depth.
+
+    known_heights are numbers that grow. Slopes have a step at each of them.
+    """
+    z, size = np.asarray(known_heights, dtype=float), np.asarray(known_sizes, dtype=float)
+    demand_nodes("sizes", heights=z, sizes=size)
+    slopes = np.diff(size) / np.diff(z)
+    at = column(heights)
+    found = size[0] + slopes[0] * (at - z[0])
+    for height, bend in zip(z[1:-1], np.diff(slopes), strict=True):
+        found = found + bend * larger(at - height, 0.0)
+    return found
+
+
 def spar_heave_period(heights: Any, diameters: Any, line_load: Any = 0.0, line_stiffness: Any = 0.0, *,
                       lines: int = 3, water_density: float = 1025.0, gravity: float = 9.80665,
                       keel: str = "node") -> Any:  # fmt: skip
