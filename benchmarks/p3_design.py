@@ -52,11 +52,13 @@ def nearest_to(printed: fw.Design, design: fw.Design) -> fw.Design:
 
 
 def begun_at(design: fw.Design, path: Path) -> fw.Design:
-    """The same design with variables that start where a saved one ended."""
+    """The same design with variables that start where a saved one ended; those that it has not stay as they are."""
     rows = json.loads(path.read_text())["variables"]
     saved = {row["variable"].rpartition(" [")[0]: row["optimum"] for row in rows}
-    starts = {item.name: [saved[name] for name in item.elements] for item in design.space.placed}
-    return replace(design, variables=[replace(item, start=starts[item.name]) for item in design.variables])
+    starts = {item.name: [saved[name] for name in item.elements]
+              for item in design.space.placed if set(item.elements) <= set(saved)}  # fmt: skip
+    return replace(design, variables=[replace(item, start=starts[item.name]) if item.name in starts else item
+                                      for item in design.variables])  # fmt: skip
 
 
 HULL = [f"range of hull_moment_node_{k}" for k in range(4, 11)]

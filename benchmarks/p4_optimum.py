@@ -1,0 +1,162 @@
+"""Hull, tower and controller at once for four strategies: `python benchmarks/p4_optimum.py FOLDER [--strategy CS4]`.
+
+Runs models/designs/dtu10mw_p4.yaml once for each strategy, which has its own feedback gains as variables: none (CS1),
+of the platform's pitch rate (CS2), of the nacelle's velocity (CS3), of that velocity through a low-pass (CS4); `all`
+has all three. The first search begins at the printed spar, others where CS1 has ended if FOLDER has that. Journals and
+designs are kept there; a search that was cut off goes on from its best. `--check` evaluates the designs of FOLDER in
+all states, fifteen of fatigue and three of fifty years, `--runs 2` simulates two hours of the nonlinear model in two
+of them, and each prints its table of docs/p4_control.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from p3_design import begun_at, processor_time
+from p3_in_time import Hours
+from p4_control import EXTREMES, Spar, label, row
+from p4_design import buckling_walls, cost, measures
+from pages import markdown
+
+import fowtlib as fw
+from fowtlib.design.file import read_design
+
+FEEDBACK = {
+    "CS1": (),
+    "CS2": ("pitch_rate_gain",),
+    "CS3": ("velocity_gain",),
+    "CS4": ("filtered_gain", "filter_frequency"),
+    "all": ("pitch_rate_gain", "velocity_gain", "filtered_gain", "filter_frequency"),
+}
+WATCHED = ("rotor_speed", "pitch", "blade_pitch_rate", "tower_base_moment", "tower_moment_node_5")
+RUN_IN = ("wind 17", "EC3")
+
+
+def with_strategy(design: fw.Design, name: str) -> fw.Design:
+    """The same design with the feedback of one strategy; other gains stay at zero."""
+    others = {gain for gains in FEEDBACK.values() for gain in gains} - {*FEEDBACK[name]}
+    kept = [item for item in design.variables if item.name not in others]
+    return replace(design, variables=kept, title=f"{design.title}, {name}")
+
+
+def saved(design: fw.Design, folder: Path, name: str) -> fw.Design:
+    """The design of a strategy that starts where its search ended."""
+    return begun_at(with_strategy(design, name), folder / f"{name}.json")
+
+
+def checked(design: fw.Design) -> dict[str, Any]:
+    """A design in fifteen states of fatigue and three of fifty years, by responses with its own gains and drag."""
+    given = design.space.parameters(design.space.start)
+    gains = {path: float(np.ravel(value)[0]) for path, value in given.items() if "gain" in path or "filter_" in path}
+    spar = Spar({path: value for path, value in given.items() if path not in gains}, exact=True)
+    _, buckling = buckling_walls(spar, gains)
+    state = next(state for state in spar.states if state[0] == 17.0)
+    moment = {process: spar._response(state, gains).spectrum("tower_base_moment", process).std
+              for process in ("sea", "wind")}  # fmt: skip
+    found = row(spar, gains) | measures(given, np.array(given["hull_walls"], float))
+    return found | {"tower": spar.steel(spar.t), "tower cost": cost(spar, spar.t), "buckling": float(buckling.max()),
+                    "moment by": moment, "label": label(gains)}  # fmt: skip
+
+
+def check(design: fw.Design, folder: Path) -> None:
+    """The table of all designs that a folder has."""
+    columns, base = {}, None
+    for name in (name for name in FEEDBACK if (folder / f"{name}.json").exists()):
+        one = checked(saved(design, folder, name))
+        one["both"] = one["tower cost"] + one["hull"]
+        base = base or one
+        share = lambda key, one=one, base=base: f"({100 * (one[key] / base[key] - 1):+.1f} %)"  # noqa: E731
+        many = lambda values, digits: ", ".join(f"{value:.{digits}f}" for value in values)  # noqa: E731
+        columns[name] = {
+            "gains": one["label"],
+            "tower [t]": f"{one['tower'] / 1e3:.1f} {share('tower')}",
+            "tower [MEUR]": f"{one['tower cost'] / 1e6:.3f} {share('tower cost')}",
+            "hull [MEUR]": f"{one['hull'] / 1e6:.3f} {share('hull')}",
+            "both [MEUR]": f"{one['both'] / 1e6:.3f} {share('both')}",
+            "damage of the tower, largest and least": many((max(one["use"]), min(one["use"])), 3),
+            "buckling of the tower": f"{one['buckling']:.3f}",
+            "pitch in EC1, EC2, EC3 [deg]": many((one["largest"][e]["pitch"] for e in EXTREMES), 2),
+            "heave [s], taper": many((one["heave"], one["taper"]), 3),
+            "rotor speed [rad/s]": f"{one['speed']:.4f}",
+            "duty cycle [1e-3]": f"{1e3 * one['duty']:.2f}",
+            "platform pitch [deg]": f"{one['pitch']:.3f}",
+            "moment of the base [MN m]": f"{one['moment']:.2f}",
+            "at 17 m/s by sea, wind": many((one["moment by"][p] for p in ("sea", "wind")), 1),
+            "pitch mode at 13, 17, 23 m/s [rad/s]": many(one["frequency"], 3),
+            "its damping ratio": many(one["damping"], 2),
+        }
+    rows = [(head, *(column[head] for column in columns.values())) for head in next(iter(columns.values()))]
+    print(markdown((("", *columns), rows)))
+
+
+def in_time(design: fw.Design, folder: Path, seeds: int) -> None:
+    """Deviations of hours of the nonlinear model, of the same winds and seas for all, and the response over them."""
+    rows = []
+    for name in (name for name in FEEDBACK if (folder / f"{name}.json").exists()):
+        asked = saved(design, folder, name)
+        hours = Hours(asked, folder / f"runs_{name}", seeds, seeds)
+        for case in (case for case in asked.cases if case.name in RUN_IN):
+            plant, runs = case.model or asked.plant, hours.of(case)
+            own = {path: value for path, value in hours.given.items() if path in plant.dae.parameters}
+            some = [result for result in WATCHED if result in plant.outputs]
+            response = fw.response(plant, outputs=some, parameters={**own, **case.parameters})
+            for result in some:
+                _, std, most, _, load = np.array([run["values"][result] for run in runs]).T
+                found, load = np.sqrt(np.mean(std**2)), np.mean(load**5) ** 0.2
+                ratio = [response.std(result) / found]
+                ratio += [response.equivalent_load(result, 5.0) / load] if "moment" in result else []
+                ratio += [response.extreme(result, 3600.0, 0.57) / most.mean()] if result == "pitch" else []
+                rows.append((name, case.name, result, f"{found:.4g}", f"{load:.4g}" if load else "",
+                             ", ".join(f"{value:.2f}" for value in ratio)))  # fmt: skip
+    heads = ("strategy", "state", "result", "deviation", "range", "response over runs")
+    print(markdown((heads, rows)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--strategy", action="append", choices=list(FEEDBACK), help="by default CS1 to CS4")
+    parser.add_argument("--iterations", type=int, default=60)
+    parser.add_argument("--region", type=float, default=0.04)
+    parser.add_argument("--processes", type=int, default=1, help="that evaluate states at once")
+    parser.add_argument("--check", action="store_true", help="the designs of the folder in all states")
+    parser.add_argument("--runs", type=int, default=0, help="hours of the nonlinear model in each of two states")
+    arguments = parser.parse_args()
+    warnings.simplefilter("ignore")
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    read, begun = read_design("dtu10mw_p4"), time.perf_counter()
+
+    def say(line: str) -> None:
+        print(f"{time.perf_counter() - begun:7.0f} s {processor_time():6.0f} s  {line}", flush=True)
+
+    if arguments.check or arguments.runs:
+        if arguments.check:
+            check(read.design, arguments.folder)
+        if arguments.runs:
+            in_time(read.design, arguments.folder, arguments.runs)
+        return
+    for name in arguments.strategy or list(FEEDBACK)[:4]:
+        asked = replace(with_strategy(read.design, name), processes=arguments.processes)
+        first = arguments.folder / "CS1.json"
+        if first.exists():
+            asked = begun_at(asked, first)
+        say(name)
+        options = {**read.optimiser, "iterations": arguments.iterations}
+        found = asked.optimise(**options, options={"region": arguments.region, "say": say}, resume=True, say=say,
+                               journal=str(arguments.folder / f"{name}.jsonl"))  # fmt: skip
+        print(found, flush=True)
+        found.save(arguments.folder / f"{name}.json")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except fw.ModelError as error:
+        sys.exit(str(error))
