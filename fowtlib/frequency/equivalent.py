@@ -26,7 +26,7 @@ import numpy as np
 from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.frequency.corners import covariance, with_states
 from fowtlib.frequency.driven import Grid, Processes, frequency_widths
-from fowtlib.frequency.expected_means import RestingRows, TurningRows, deviations_of
+from fowtlib.frequency.expected_means import NOWHERE, RestingRows, TurningRows, deviations_of
 from fowtlib.frequency.products import PRODUCTS, Products, channels_of, cross_spectra, fed_back, with_channels
 from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.frequency.relaxation import Relaxation
@@ -115,6 +115,8 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             excited, gains, grid = settled
             response = Answers.of(excited, gains, grid, products, rows.wanted(excited), quadratic)
             found, deviations = response.covariance, response.deviations
+            if not np.all(np.isfinite(found)):
+                raise SimulationError(NOWHERE)
             count = iteration - first
             share = min(1.0, WHOLE / count)
             if products is not None and guess is not None:

@@ -253,11 +253,14 @@ class SettledLaws:
         """
         at = [self.numbers.index(n) for n in self.followers]
         longer, last = np.ones((len(x), len(at))), np.zeros((len(x), len(at)))
+        most = np.full_like(longer, np.inf)
         for _ in range(SETTLING if self.followers else 0):
             step = self._values(x)[:, at] / self.pace
-            longer[(step * last > 0) & (np.abs(step) > ALONG * np.abs(last))] *= 2  # a limit of a rate holds it
-            longer[step * last < 0] /= 8  # too far
-            np.maximum(longer, 1.0, out=longer)
+            along, over = (step * last > 0) & (np.abs(step) > ALONG * np.abs(last)), step * last < 0
+            longer[along] *= 2  # a limit of its rate holds it
+            most[over] = longer[over] / 2
+            longer[over] /= 8
+            longer = np.maximum(np.minimum(longer, most), 1.0)
             x[:, self.followers] += longer * step
             last = step
             if np.max(np.abs(step)) < SETTLED * (1e-12 + np.max(np.std(x[:, self.followers], axis=0))):

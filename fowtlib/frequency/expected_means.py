@@ -72,7 +72,7 @@ class RestingRows:
         known = None if self.expected is None else (self.expected.by_x, self.expected.by_z, self.expected.by_signals)
         try:
             found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
-        except RuntimeError:  # an equation cannot be evaluated somewhere
+        except (RuntimeError, np.linalg.LinAlgError):  # an equation cannot be evaluated somewhere, or holds no unknown
             raise SimulationError(NOWHERE) from None
         self.expected = found
         rows = [*self.moving, *range(n, n + state.z.size)]
@@ -138,6 +138,8 @@ class TurningRows:
             k = laws.followers.index(number) if number in laws.followers else None
             rates[number] = value if k is None else laws.pace[k] * (laws.means[k] - state.x[number])
             slopes[number] = row
+        if not np.all(np.isfinite(slopes)) or not np.all(np.isfinite(rates)):
+            raise SimulationError(NOWHERE)
         try:
             step = -np.linalg.solve(slopes[np.ix_(free, free)], rates[free])
         except np.linalg.LinAlgError:
