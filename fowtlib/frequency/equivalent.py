@@ -111,8 +111,7 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
                 excited, processes, products = _with_products(excited, processes, rows.quadratic, response, cross,
                                                               alone)  # fmt: skip
             loose = min(max(LOOSE * change, tolerance), max(LOOSE, tolerance))
-            settled, damping = _settled(excited, processes, given, loose, gains, rough)
-            excited, gains, grid = settled
+            (excited, gains, grid), damping = _settled(excited, processes, given, loose, gains, rough)
             response = Answers.of(excited, gains, grid, products, rows.wanted(excited), quadratic)
             found, deviations = response.covariance, response.deviations
             if not np.all(np.isfinite(found)):
@@ -128,8 +127,8 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
             change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
             enough = SETTLED if count <= PATIENT else NEARLY
-            settled = near and not rough and count > FEWEST and rows.step < CLOSE and change < enough
-            if settled and not damping:
+            ends = near and not rough and count > FEWEST and rows.step < CLOSE and change < enough
+            if ends and not damping:
                 if loose > tolerance:
                     gains, grid, _ = settled_gains(excited, processes, grid.frequency, tolerance, gains)
                 shown = None if rows.shown is None else rows.shown[: excited.results]

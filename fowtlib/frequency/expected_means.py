@@ -48,8 +48,9 @@ class RestingRows:
         self.moving = moving_states(self.at.functions, set())
         self.to = np.zeros((0, 0))
 
-    def wanted(self, excited: ExcitedModel) -> None:
-        """All states and inputs count alike."""
+    def wanted(self, excited: ExcitedModel) -> list[int] | None:
+        """None: all states, and inputs, count alike."""
+        return None
 
     def mixing(self, state: State, inputs: int) -> np.ndarray:
         """Signals by the inputs of the linear model."""

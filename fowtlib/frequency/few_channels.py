@@ -57,7 +57,7 @@ def with_few_channels(excited: ExcitedModel, root: Component, beside: Container[
     key = tuple((k, np.round(C, 9).tobytes()) for k, C in common.items())
     if key not in excited.compact:
         excited.compact.clear()
-        excited.compact[key] = _compact(excited, common, root, sums)
+        excited.compact[key] = _compact(excited, common, root, {} if sums is None else sums)
     return excited.compact[key]
 
 
