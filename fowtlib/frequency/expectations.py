@@ -33,6 +33,7 @@ ALIKE = 3.0  # and wherever it is, much alike: an integral beside its limit is n
 HELD = 1e-3  # of its pace: what pulls less is held
 AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
 SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
+ALONG = 0.9  # of the step before, from which the next is twice as long
 FULL = 3  # points for each number, from which products of two are exact too
 STILL = 1e-12  # SI; a deviation that is rounding alone, of which nothing is told
 ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
@@ -145,8 +146,10 @@ class LawExpectations:
     def __init__(self, plant: Any, at: Any):
         self.at, self.laws = at, laws_of(plant, at)
         self._paces: dict[int, float] = {}  # of those that follow: once they do, they do in all that comes
-        make = partial(_law_function, plant.dae, at, self.laws)
-        self._function = plant.functions.once("laws with slopes", make) if self.laws.numbers else None
+        self._function: LawFunctions | None = None
+        if self.laws.numbers:
+            make = partial(LawFunctions, plant.dae, at, self.laws)
+            self._function = plant.functions.once("laws with slopes", make)
 
     def __call__(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> SettledLaws:
         """At a Gaussian state."""
@@ -157,10 +160,10 @@ class LawExpectations:
         if self._function is None:
             return {}
         moving, others = list(self.laws.moving), np.concatenate([[t], self.at.whole(q)])[list(self.laws.held)]
-        by = self._function.entries(np.tile(x[moving], (BLOCK, 1)), others)[1].reshape(BLOCK, len(moving), -1)[0]
+        by = self._function.slopes(np.tile(x[moving], (BLOCK, 1)), others)[1][0]
         found = {number: np.zeros(x.size) for number in self.laws.numbers}
         for j, number in enumerate(self.laws.numbers):
-            found[number][moving] = by[:, j]
+            found[number][moving] = by[j]
         return found
 
 
@@ -172,7 +175,7 @@ class SettledLaws:
     each law its number, its value and its slopes.
     """
 
-    def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian,
+    def __init__(self, function: LawFunctions | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian,
                  paces: dict[int, float]):  # fmt: skip
         self.function, self.moving = function, list(laws.moving)
         self.others = np.concatenate([[t], q])[list(laws.held)]
@@ -240,7 +243,7 @@ class SettledLaws:
         for side in (-far, far):
             moved = spread.copy()
             moved[:, number] = mean[number] + side
-            rates.append(self._slopes(moved)[0][:, law])
+            rates.append(self._values(moved)[:, law])
         return bool(min(np.mean(rates[0] >= 0), np.mean(rates[1] <= 0)) > ALMOST)
 
     def settle(self, x: np.ndarray) -> np.ndarray:
@@ -249,9 +252,17 @@ class SettledLaws:
         Returns their slopes (n, k, states).
         """
         at = [self.numbers.index(n) for n in self.followers]
+        longer, last = np.ones((len(x), len(at))), np.zeros((len(x), len(at)))
+        most = np.full_like(longer, np.inf)
         for _ in range(SETTLING if self.followers else 0):
-            step = self._slopes(x)[0][:, at] / self.pace
-            x[:, self.followers] += step
+            step = self._values(x)[:, at] / self.pace
+            along, over = (step * last > 0) & (np.abs(step) > ALONG * np.abs(last)), step * last < 0
+            longer[along] *= 2  # a limit of its rate holds it
+            most[over] = longer[over] / 2
+            longer[over] /= 8
+            longer = np.maximum(np.minimum(longer, most), 1.0)
+            x[:, self.followers] += longer * step
+            last = step
             if np.max(np.abs(step)) < SETTLED * (1e-12 + np.max(np.std(x[:, self.followers], axis=0))):
                 break
         slopes = self._slopes(x)[1][:, at]
@@ -266,14 +277,13 @@ class SettledLaws:
         found[:, :, self.followers] = 0.0
         return found
 
+    def _values(self, x: np.ndarray) -> np.ndarray:
+        """Laws (n, laws)."""
+        return self.function.values(x[:, self.moving], self.others)
+
     def _slopes(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Laws (n, laws) and their slopes (n, laws, moving)."""
-        values, slopes = [], []
-        for block in np.split(x[:, self.moving], len(x) // BLOCK):
-            rates, by = self.function.entries(block, self.others)
-            values.append(rates.reshape(BLOCK, -1))
-            slopes.append(by.reshape(BLOCK, len(self.moving), -1).transpose(0, 2, 1))
-        return np.concatenate(values), np.concatenate(slopes)
+        return self.function.slopes(x[:, self.moving], self.others)
 
 
 def _pace(own: np.ndarray) -> float:
@@ -283,12 +293,29 @@ def _pace(own: np.ndarray) -> float:
     return float(fastest) if slowest > FAST and fastest < ALIKE * slowest else 0.0
 
 
-def _law_function(dae: Any, at: Any, laws: Laws) -> Arrays:
-    """Of the states that laws name and of the rest of [t; q]: the laws and their slopes, at BLOCK points."""
-    rows, x = ca.densify(dae.ode[list(laws.numbers)]), dae.x[list(laws.moving)]
-    others = ca.vertcat(at.general.t, at.general.q)[list(laws.held)]
-    one = ca.Function("laws", [x, others], [rows, ca.densify(ca.jacobian(rows, x))])
-    return Arrays(one.map("laws_with_slopes", "serial", BLOCK, [1], []))
+class LawFunctions:
+    """The laws, and their slopes, of the states that they name (n, moving) and of the rest of [t; q], BLOCK at once."""
+
+    def __init__(self, dae: Any, at: Any, laws: Laws):
+        rows, x = ca.densify(dae.ode[list(laws.numbers)]), dae.x[list(laws.moving)]
+        others = ca.vertcat(at.general.t, at.general.q)[list(laws.held)]
+        slopes = ca.densify(ca.jacobian(rows, x))
+        self.shape = slopes.shape
+        self._values, self._slopes = (
+            Arrays(ca.Function("laws", [x, others], found).map("laws_at_points", "serial", BLOCK, [1], []))
+            for found in ([rows], [rows, slopes])
+        )
+
+    def values(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Laws (n, laws), n a multiple of BLOCK."""
+        blocks = (self._values.entries(block, others)[0] for block in np.split(x, len(x) // BLOCK))
+        return np.concatenate(list(blocks)).reshape(len(x), -1)
+
+    def slopes(self, x: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Laws (n, laws) and their slopes (n, laws, moving)."""
+        found = [self._slopes.entries(block, others) for block in np.split(x, len(x) // BLOCK)]
+        values, slopes = (np.concatenate(part) for part in zip(*found, strict=True))
+        return values.reshape(len(x), -1), slopes.reshape(len(x), *self.shape[::-1]).transpose(0, 2, 1)
 
 
 def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> Points:
