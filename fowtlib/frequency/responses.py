@@ -174,7 +174,7 @@ def response(
     found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners,
                      linearisation)  # fmt: skip
     rotation = study.rotation(state, names, excited.rotating)
-    found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
+    found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds, by_states))
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
     if alone:
