@@ -39,8 +39,8 @@ OUTPUTS = (
 )  # fmt: skip
 
 
-def weather(state: str) -> dict[str, Any]:
-    """Parameters of a state, without seeds."""
+def weather(state: str, further: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Parameters of a state, without seeds; an intensity of the turbulence takes the place of its class."""
     speed, height, period = STATES[state]
     whole = LENGTH + DISCARD
     given = {
@@ -48,12 +48,14 @@ def weather(state: str) -> dict[str, Any]:
         "wind.repetition_period": whole, "sea.spectrum": "jonswap", "sea.significant_wave_height": height,
         "sea.peak_period": period, "sea.repetition_period": whole,
     }  # fmt: skip
-    return given | ({"*.safety.idling": 1} if state == "storm" else {})
+    if "wind.turbulence_intensity" in (further or {}):
+        del given["wind.turbulence_class"]
+    return given | ({"*.safety.idling": 1} if state == "storm" else {}) | (further or {})
 
 
 def statistics(plant: Any, names: list[str], state: str, seed: int, further: dict[str, Any]) -> dict[str, Any]:
     """Mean and standard deviation of each output in one run."""
-    parameters = weather(state) | {"wind.seed": seed, "sea.seed": seed + 50} | further
+    parameters = weather(state, further) | {"wind.seed": seed, "sea.seed": seed + 50}
     start = "rest" if state == "storm" else "turning"
     run = plant.simulate(LENGTH + DISCARD, STEP, parameters=parameters, solver="fixed", start=start)
     kept = run.time >= DISCARD
@@ -83,7 +85,7 @@ def main() -> None:
         for state in given.states.split(","):
             runs = hours(given.folder, plant, model, state, given.seeds, further, label)
             try:
-                found = fw.response(plant, outputs=names, parameters=weather(state) | further, **options)
+                found = fw.response(plant, outputs=names, parameters=weather(state, further), **options)
                 columns[state] = table(f"{model}, {state}", names, found, runs)
                 if further or given.varying_speed:
                     plain = fw.response(plant, outputs=names, parameters=weather(state))
