@@ -25,7 +25,7 @@ from fowtlib.frequency.answers_to_laws import AnswersToLaws
 from fowtlib.frequency.common_sums import CommonSums, Rows
 from fowtlib.frequency.drag import best_gain, gains_of
 from fowtlib.frequency.driven import frequency_widths
-from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.gain_slopes import slope_at_mean, stacked_slopes
 from fowtlib.frequency.mixing import Mixing
 from fowtlib.frequency.quantities import ORDERS
 from fowtlib.language.errors import SimulationError
@@ -285,8 +285,10 @@ class RandomResponse:
         for k, (_, place) in enumerate(laws):
             n = place.stop - place.start
             spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
-            slopes = gain_slopes(covariances[k], self.means[place])
-            self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        for numbers, rows in self.excited.law_rows:
+            part, covariance = slice(rows.shape[1]), np.array([covariances[k] for k in numbers])
+            slopes = stacked_slopes(covariance, self.means[rows])
+            self.by_covariance[numbers, part, part, part, part], self.by_mean[numbers, part, part, part] = slopes
         product = self._laws_with_laws(spread)
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
         product = product.reshape(count, count, width, width, width, width)  # i j r c e s
