@@ -23,11 +23,12 @@ from scipy.linalg import lu_factor, lu_solve
 from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.answers_to_laws import AnswersToLaws
 from fowtlib.frequency.common_sums import CommonSums, Rows
-from fowtlib.frequency.drag import best_gain, gains_of
-from fowtlib.frequency.driven import frequency_widths
-from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.driven import Driving, Grid, frequency_widths
+from fowtlib.frequency.gain_slopes import slope_at_mean, stacked_slopes
 from fowtlib.frequency.mixing import Mixing
 from fowtlib.frequency.quantities import ORDERS
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
@@ -120,29 +121,36 @@ class RandomResponse:
         ]  # fmt: skip
         self.answers: AnswersToLaws | None = None  # by which slopes of the fixed point were made
         self.common: CommonSums | None = None
-        self.iterations = self._settle(newton)
+        self.iterations = 0
+        self._settle(newton)
+        self._answer()
 
     # --- forward ---------------------------------------------------------------------------------------------------
 
-    def _settle(self, phi: np.ndarray | None) -> int:
+    def _settle(self, phi: np.ndarray | None) -> None:
         """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
         last, self.newton, mixing = np.inf, phi, Mixing()
         best, stalled = np.inf, 0
-        for iteration in range(NEWTON):
-            self._answer()
-            found = gains_of(self._covariances(), [self.means[place] for _, place in self.excited.laws])
+        if not self.excited.laws:
+            return
+        driving = {path: Driving(self.forcing.driven[path], self.drives[path], self.weighted[:, channels, channels])
+                   for path, channels in self.forcing.columns.items()}  # fmt: skip
+        grid = Grid(self.excited, self.forcing.frequency, {}, driving)
+        for self.iterations in range(NEWTON):
+            found = grid.gains(self.gains)
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
-            change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
-                          for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
+            change = max(float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
+                         for d, g in zip(off, found, strict=True))  # fmt: skip
             if change < SETTLED or (change > last / 2 and change < self._rounding):
-                return iteration
+                return
             best, stalled = (change, 0) if change < best / 2 else (best, stalled + 1)
             if stalled >= STALLED and best < NOISE:
-                return iteration
+                return
             if change > FAR or change > last:
                 self.gains, self.newton = mixing(self.gains, found), None
             else:
                 if self.newton is None or change > max(last / SLOW, self._rounding):
+                    self._answer()
                     self.newton = self._map()
                 step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
@@ -152,7 +160,9 @@ class RandomResponse:
     @property
     def _rounding(self) -> float:
         """Change of the gains that rounding makes: that of roots as large as the fastest, in the least damping."""
-        roots = np.zeros(0) if self.resolvent.basis is None else self.resolvent.basis[0]
+        A = self.excited.states_with(self.gains)
+        basis = eigenvectors(A) if len(A) else None
+        roots = np.zeros(0) if basis is None else basis[0]
         least = -np.max(roots.real[roots.imag > 0], initial=-np.inf)
         return max(ROUNDING, 4 * np.finfo(float).eps * np.abs(roots).max() / least) if 0 < least < np.inf else ROUNDING
 
@@ -285,8 +295,10 @@ class RandomResponse:
         for k, (_, place) in enumerate(laws):
             n = place.stop - place.start
             spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
-            slopes = gain_slopes(covariances[k], self.means[place])
-            self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        for numbers, rows in self.excited.law_rows:
+            part, covariance = slice(rows.shape[1]), np.array([covariances[k] for k in numbers])
+            slopes = stacked_slopes(covariance, self.means[rows])
+            self.by_covariance[numbers, part, part, part, part], self.by_mean[numbers, part, part, part] = slopes
         product = self._laws_with_laws(spread)
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
         product = product.reshape(count, count, width, width, width, width)  # i j r c e s

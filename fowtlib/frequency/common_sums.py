@@ -136,8 +136,7 @@ class CommonSums:
         found = np.zeros((len(values), len(bars), self.states + self.of.inputs))
         for path, channels in self.of.columns.items():
             part = self.moved[path]
-            sums = _real_sums(values[:, part], bars[:, part, channels].transpose(1, 0, 2), self._conjugates[path])
-            self._add(found, path, sums.reshape(len(values), len(bars), -1))
+            self._add(found, path, _by_products(values[:, part], bars[:, part, channels], self._conjugates[path]))
         return self._of_all(found).transpose(1, 0, 2)
 
     @cached_property

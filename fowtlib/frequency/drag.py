@@ -54,19 +54,14 @@ def stacked_gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     m = (axes.transpose(0, 2, 1) @ mean[:, :, None])[:, :, 0]
     largest = np.maximum(variances[:, -1], (m**2).sum(axis=1))
     size = np.where(largest > 0, largest, 1.0)[:, None]
-    shares, m = variances / size, m / np.sqrt(size)
+    shares, m, t = variances / size, m / np.sqrt(size), SQUARED[:, None, None]
+    w = 1 + 2 * t * shares
+    F = np.exp(-(t * m**2 / w).sum(axis=2)) / np.sqrt(w.prod(axis=2))
     count, n = mean.shape
-    over = 1 / (1 + (2 * SQUARED[:, None] * shares.ravel())).reshape(-1, count, n)  # 1/w
-    F = over[..., 0].copy()
-    for k in range(1, n):
-        F *= over[..., k]
-    np.sqrt(F, out=F)
+    along = DENSITY @ (1 - F[:, :, None] / w).reshape(DENSITY.size, -1)
+    gains = np.eye(n) * along.reshape(count, 1, n)
     flows = np.flatnonzero(mean.any(axis=1))
     if flows.size:
-        F[:, flows] *= np.exp(-SQUARED[:, None] * (m[flows] ** 2 * over[:, flows]).sum(axis=2))
-    along = DENSITY @ (1 - F[:, :, None] * over).reshape(DENSITY.size, -1)
-    gains = np.eye(n) * along.reshape(count, 1, n)
-    if flows.size:
-        share = np.sqrt(2 * (SQUARED * DENSITY)[:, None] * F[:, flows])[:, :, None] * (m[flows] * over[:, flows])
+        share = np.sqrt(2 * (SQUARED * DENSITY)[:, None] * F[:, flows])[:, :, None] * (m[flows] / w[:, flows])
         gains[flows] += share.transpose(1, 2, 0) @ share.transpose(1, 0, 2)
     return axes @ (gains * np.sqrt(largest)[:, None, None]) @ axes.transpose(0, 2, 1)
