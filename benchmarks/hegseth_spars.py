@@ -290,8 +290,8 @@ def shapes(folder: Path, seeds: int) -> None:
     frames = ["hull.frame_a", *frames, "tower.frame_b"]
     heights = np.array([float(np.squeeze(state[f"{frame}.r[2]"])) for frame in frames])
     linear = plant.linearize(state, outputs=[f"{frame}.r[{axis}]" for axis in (0, 1) for frame in frames])
-    roots, vectors = np.linalg.eig(linear.A)
-    moved, across = np.split(linear.C @ vectors, 2)
+    roots, vectors = np.linalg.eig(linear.matrices["A"])
+    moved, across = np.split(linear.matrices["C"] @ vectors, 2)
     order, along = np.argsort(heights), np.abs(moved).max(axis=0) > np.abs(across).max(axis=0)
     periods = 2 * np.pi / np.maximum(np.abs(roots), 1e-9)
     with drawing_style():
