@@ -322,19 +322,20 @@ def shapes(folder: Path, seeds: int) -> None:
     """How far the axis of hull and tower moves along the waves in each mode, over the height, 1 at the farthest."""
     plant = fw.load("dtu10mw_spar_3").compile()
     state = plant.equilibrium(parameters={"sea.spectrum": "still"})
-    frames = [f"{part}.beam.hinge_{k}.frame_b" for part in ("hull", "tower")
-              for k in range(1, int(plant.root.find(f"{part}.beam").hinges) + 1)]  # fmt: skip
-    frames = ["hull.beam.frame_a", *frames, "tower.frame_b"]
+    frames = [f"{beam}.hinge_{k}.frame_b" for beam in ("hull", "tower.beam")
+              for k in range(1, int(plant.root.find(beam).hinges) + 1)]  # fmt: skip
+    frames = ["hull.frame_a", *frames, "tower.frame_b"]
     heights = np.array([float(np.squeeze(state[f"{frame}.r[2]"])) for frame in frames])
-    linear = plant.linearize(state, outputs=[f"{frame}.r[0]" for frame in frames])
-    roots, vectors = np.linalg.eig(linear.A)
-    moved, order = linear.C @ vectors, np.argsort(heights)
+    linear = plant.linearize(state, outputs=[f"{frame}.r[{axis}]" for axis in (0, 1) for frame in frames])
+    roots, vectors = np.linalg.eig(linear.matrices["A"])
+    moved, across = np.split(linear.matrices["C"] @ vectors, 2)
+    order, along = np.argsort(heights), np.abs(moved).max(axis=0) > np.abs(across).max(axis=0)
     periods = 2 * np.pi / np.maximum(np.abs(roots), 1e-9)
     with drawing_style():
         figure = drawing(9.0, 4.6)
         axes = figure.subplots(1, len(SHAPES), sharey=True)
         for axis, (name, period) in zip(axes, SHAPES.items(), strict=True):
-            k = min(np.flatnonzero(roots.imag > 0), key=lambda k: abs(np.log(periods[k] / period)))
+            k = min(np.flatnonzero((roots.imag > 0) & along), key=lambda k: abs(np.log(periods[k] / period)))
             shape = moved[:, k] / moved[np.abs(moved[:, k]).argmax(), k]
             print(f"{name}: {periods[k]:.4g} s; out of phase {np.abs(shape.imag).max():.3f}")
             axis.axvline(0.0, color=INK, lw=0.6)

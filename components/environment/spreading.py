@@ -15,7 +15,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import roots_jacobi
 
 from fowtlib.components.environment.waves import Floats
 
@@ -25,6 +24,8 @@ GOLDEN = (np.sqrt(5) - 1) / 2
 @lru_cache(maxsize=32)
 def spread_directions(exponent: float, count: int) -> tuple[Floats, Floats]:
     """Directions (count,) [rad] about the main one, rising, and their shares of the energy, which add up to 1."""
+    from scipy.special import roots_jacobi  # slow to import
+
     points, weights = roots_jacobi(count, (exponent - 1) / 2, (exponent - 1) / 2)
     return np.arcsin(points), weights / weights.sum()
 

@@ -284,7 +284,7 @@ def unit_waves(omega: ArrayLike, depth: float, heading: float = 0.0, gravity: fl
     return _unit_waves(omega.tobytes(), float(depth), float(heading), float(gravity))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=24)  # of a short-crested sea each direction
 def _unit_waves(frequencies: bytes, depth: float, heading: float, gravity: float) -> WaveComponents:
     omega = np.frombuffer(frequencies)
     number = wave_number(omega, depth, gravity)

@@ -379,7 +379,8 @@ class _Result:
 
     def _unit(self) -> str:
         """Of the objective."""
-        units = {self.problem.composition.unit(name) for name in self.design.objective.terms}
+        objective: Objective = self.design.objective  # type: ignore[assignment]
+        units = {self.problem.composition.unit(name) for name in objective.terms}
         return units.pop() if len(units) == 1 else "1"
 
     def _prices(self, y: np.ndarray) -> Any:
