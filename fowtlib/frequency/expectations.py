@@ -9,6 +9,10 @@ Laws of states alone with corners (frequency.corners) are cheap, and are average
 A state that follows its law within a fraction of a second, as an actuator with a lower limit does, is far from Gaussian
 beside that limit. So at each point it stands where its own rate vanishes, a function g of the other states, and the
 linear function of a row f(v, g(v)) is E[df/dg] (g - E[g]) and what is left of its slopes by the others.
+
+So do algebraic unknowns, as the shapes of lines, stand where their own equations vanish, h(v) at each point: the linear
+function of a row f(v, h(v)) is E[df/dh] (h - E[h]) and what is left by the others, and h is E[h] + E[dh/dv] (v - m).
+Where that is not found, as for a line beyond its length, they stand where the linear model has them.
 """
 
 from __future__ import annotations
@@ -34,6 +38,7 @@ HELD = 1e-3  # of its pace: what pulls less is held
 AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
 SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
 ALONG = 0.9  # of the step before, from which the next is twice as long
+NEWTON, SOLVED, SHRUNK = 12, 1e-6, 0.2  # steps at most for unknowns, the last one over their size, and over the former
 FULL = 3  # points for each number, from which products of two are exact too
 STILL = 1e-12  # SI; a deviation that is rounding alone, of which nothing is told
 ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
@@ -43,6 +48,8 @@ ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
 class Expected:
     """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow.
 
+    unknowns: the mean of these, at which their own rows vanish.
+
     quadratic: what the rows are of second order, by the Gaussian [states; signals]; None where that was not asked for.
     """
 
@@ -51,6 +58,7 @@ class Expected:
     by_z: np.ndarray
     by_signals: np.ndarray
     mean: np.ndarray
+    unknowns: np.ndarray
     quadratic: QuadraticRows | None = None
 
 
@@ -91,21 +99,14 @@ class Expectations:
         alg = slice(nx, nx + nz)
         dz = line @ slopes[0][alg].T + ds @ slopes[2][alg].T
         dz = -np.linalg.solve(slopes[1][alg], dz.T).T if nz else np.zeros((POINTS, 0))
-        values, sums, through = np.zeros(len(slopes[0])), None, np.zeros((len(slopes[0]), nx))
+        sums = _Sums(self.disturbed.slopes, alg, laws.followers)
         for k in range(POINTS):
             whole[q.size + self.at.parameters.size :][: law.signals] = ds[k]
-            point = t, moved[k], z + dz[k], whole
-            values += self.disturbed.values.entries(*point)[0]
-            found = self.disturbed.slopes.entries(*point)
+            at, found = self._settled(t, moved[k], z + dz[k], whole, sums)
+            sums.add(self.disturbed.values.entries(t, moved[k], at, whole)[0], found, at, by_others[k])
             if self.quadratic:
                 kept.append(np.concatenate(found))
-            sums = found if sums is None else [a + b for a, b in zip(sums, found, strict=True)]
-            if laws.followers:
-                through += _columns(self.disturbed.slopes, found[0], laws.followers) @ by_others[k]
-        by_x, by_z, by_s = (_dense(self.disturbed.slopes, k, entries) / POINTS for k, entries in enumerate(sums))
-        values /= POINTS
-        if laws.followers:
-            by_x += through / POINTS - by_x[:, laws.followers] @ laws.slopes
+        values, by_x, by_z, by_s, unknowns = sums.means(POINTS, laws.slopes)
         mean = x.copy()
         mean[laws.followers] = laws.means
         for number, value, row in laws.rows:
@@ -113,7 +114,27 @@ class Expectations:
         quadratic = None
         if self.quadratic:
             quadratic = self._of_second_order(points, np.array(kept), law, laws, moved, by_others, slopes)
-        return Expected(values, by_x, by_z, by_s, mean, quadratic)
+        return Expected(values, by_x, by_z, by_s, mean, unknowns, quadratic)
+
+    def _settled(self, t: float, x: np.ndarray, z: np.ndarray, whole: np.ndarray,
+                 sums: _Sums) -> tuple[np.ndarray, list[np.ndarray]]:  # fmt: skip
+        """Unknowns where their rows vanish, by Newton's method from a guess, and the entries of all slopes there."""
+        rows, slopes = self.disturbed.values, self.disturbed.slopes
+        first = slopes.entries(t, x, z, whole)
+        at, last, by_z = z, np.inf, _dense(slopes, 1, first[1])[sums.alg]
+        for _ in range(NEWTON if z.size else 0):
+            try:
+                step = np.linalg.solve(by_z, rows.entries(t, x, at, whole)[0][sums.alg])
+                at = at - step
+                size = float(np.max(np.abs(step) / (1 + np.abs(at))))
+                if size <= SOLVED:
+                    return at, slopes.entries(t, x, at, whole)
+                if not size < SHRUNK * last:  # slopes are too old, or nothing is near
+                    by_z = _dense(slopes, 1, slopes.entries(t, x, at, whole)[1])[sums.alg]
+                last = size
+            except (RuntimeError, np.linalg.LinAlgError):
+                break
+        return z, first
 
     def _of_second_order(self, points: Points, entries: np.ndarray, law: Gaussian, laws: SettledLaws, moved: np.ndarray,
                          by_others: np.ndarray, slopes: tuple[np.ndarray, ...]) -> QuadraticRows:  # fmt: skip
@@ -368,18 +389,39 @@ def _spread(covariance: np.ndarray, states: Sequence[int], size: int) -> np.ndar
     return found
 
 
+class _Sums:
+    """Over points: values of rows, their slopes with unknowns as functions of the rest, and these functions.
+
+    alg: the rows of the unknowns. followers: numbers of states that follow their law; see SettledLaws.
+    """
+
+    def __init__(self, function: Arrays, alg: slice, followers: Sequence[int]):
+        self.function, self.alg, self.followers, self.count = function, alg, list(followers), 0
+        self.sums: list[np.ndarray] = []
+
+    def add(self, values: np.ndarray, entries: list[np.ndarray], z: np.ndarray, by_others: np.ndarray) -> None:
+        """A point, with entries of the slopes, its unknowns, and slopes (k, states) of the followers."""
+        f_x, f_z, f_s = (_dense(self.function, k, of) for k, of in enumerate(entries))
+        h = -np.linalg.solve(f_z[self.alg], np.hstack([f_x, f_s])[self.alg]) if z.size else np.zeros((0, f_x.shape[1]
+                                                                                                  + f_s.shape[1]))
+        n = f_x.shape[1]
+        whole, h_x = f_x + f_z @ h[:, :n], h[:, :n]
+        parts = [values, whole, f_z, f_s + f_z @ h[:, n:], h_x, h[:, n:], z,
+                 whole[:, self.followers] @ by_others, h_x[:, self.followers] @ by_others]  # fmt: skip
+        self.sums = [a + b for a, b in zip(self.sums, parts, strict=True)] if self.sums else parts
+
+    def means(self, count: int, slopes: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Values, slopes by states, unknowns and signals, and unknowns; slopes (k, states): means of the followers'."""
+        values, whole, f_z, f_s, h_x, h_s, z, through, h_through = (total / count for total in self.sums)
+        whole = whole + through - whole[:, self.followers] @ slopes
+        h_x = h_x + h_through - h_x[:, self.followers] @ slopes
+        by_x, by_s = whole - f_z @ h_x, f_s - f_z @ h_s
+        values[self.alg] = 0.0
+        return values, by_x, f_z, by_s, z
+
+
 def _dense(function: Arrays, number: int, entries: np.ndarray) -> np.ndarray:
     rows, columns, shape = function.places[number]
     matrix = np.zeros(shape)
     matrix[rows, columns] = entries
     return matrix
-
-
-def _columns(function: Arrays, entries: np.ndarray, columns: Sequence[int]) -> np.ndarray:
-    """Some columns of the first result."""
-    rows, of, shape = function.places[0]
-    found = np.zeros((shape[0], len(columns)))
-    for k, column in enumerate(columns):
-        kept = of == column
-        found[rows[kept], k] = entries[kept]
-    return found

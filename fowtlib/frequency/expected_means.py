@@ -87,7 +87,7 @@ class RestingRows:
         x[self.moving] += step[: len(self.moving)]
         paths = [item.path for item in self.at.dae.states]
         new = self.plant.initial_state(state.parameters, dict(zip(paths, x.tolist(), strict=True)))
-        new = replace(new, z=state.z + step[len(self.moving) :])  # expected unknowns solve expected equations
+        new = replace(new, z=found.unknowns + step[len(self.moving) :])  # expected unknowns solve expected equations
         whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means_of_laws(self.at, new)])
         there = self.of.disturbed.slopes(new.t, new.x, new.z, whole)
         own = (found.by_x, found.by_z, found.by_signals)
