@@ -27,7 +27,7 @@ from scipy.linalg import expm
 
 from fowtlib.frequency.lines import COUNT, STEP, RandomSpeed
 
-FURTHER = 3  # orders that are kept on the way, over those that are asked for
+FURTHER = 4  # orders that are kept on the way, over those that are asked for
 SKIP = 2  # steps of D in one of the correlation
 LENGTH = COUNT // 4 // SKIP  # of a correlation: 4096 s, parts of spectra 1.2e-4 Hz
 SOME = 1e-6  # of the largest: speeds that tie orders together
@@ -64,9 +64,10 @@ class Lingering:
 
     @cached_property
     def lag(self) -> int:
-        """Steps of D after which xi has left nothing of the first orders that are tied together."""
+        """Steps of D after which the first orders that are tied together have gone round, or xi has left nothing."""
         gone = np.flatnonzero(self.speed.spread[: COUNT // 2] > 2 / self.step**2)
-        return int(gone[0]) if gone.size else COUNT // 2 - 1
+        round_once = 2 * np.pi / (self.step * max(abs(self.speed.speed), 1e-12) * STEP)
+        return max(1, int(min(round_once, gone[0] if gone.size else np.inf, COUNT // 2 - 1)))
 
     @cached_property
     def diffusion(self) -> float:
@@ -74,9 +75,9 @@ class Lingering:
         return float(self.speed.spread[self.lag] / (2 * STEP * self.lag))
 
     @cached_property
-    def means(self) -> np.ndarray | None:
-        """E[z_n] for n = 0, ...: (orders FURTHER + 1,); None where xi is too little for these orders to show it."""
-        highest = FURTHER * self.orders // self.step * self.step
+    def means(self) -> np.ndarray:
+        """E[z_n] for n = 0, ...: (orders FURTHER + 1,); where nothing is random, those of all azimuths alike."""
+        highest = self._highest
         tied = np.arange(-highest, highest + 1, self.step)
         rates, middle = self._rates(tied) - np.diag(self.diffusion * tied**2), len(tied) // 2
         others = tied != 0
@@ -85,12 +86,21 @@ class Lingering:
         if self.diffusion > 0:
             z = np.linalg.solve(rates[np.ix_(others, others)], -rates[others, middle])
             found[self.step : highest + 1 : self.step] = z[middle:]
-        return found if self.diffusion > 0 and np.abs(found[highest]) < SHARP else None
+        return found
+
+    @property
+    def _highest(self) -> int:
+        """The highest order that is tied to the mean."""
+        return FURTHER * self.orders // self.step * self.step
 
     @property
     def matters(self) -> bool:
-        """Whether the rotor is at some azimuths longer than at others."""
-        return self.means is not None and bool(np.abs(self.means[1:]).max() > EVEN)
+        """Whether the rotor is at some azimuths longer than at others, and the orders show by how much.
+
+        They do not where hardly anything is random and the rotor all but stops: a density that is too sharp.
+        """
+        sizes = np.abs(self.means[1:])
+        return bool(sizes.max() > EVEN and sizes[self._highest - 1] < SHARP)
 
     def spectra(self, frequency: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Orders (k,) that are tied together, and what parts of the axis have of their covariance: (parts, k, k).

@@ -9,6 +9,7 @@ what the tower feels at omega being in a blade at the sum and the difference wit
 steady wind, by gravity, shear, tilt and the dam of the tower, is no random process: it stands beside the others as the
 share `rotation`, with its mean square about each multiple of the rotor speed. Since the speed itself is random, these
 are no lines but bands, and modes answer to each part of them (frequency.lines). The forces are those at the mean speed.
+A rotor that idles lingers at some azimuths (frequency.lingering): then harmonics go together, and means are others.
 """
 
 from __future__ import annotations
@@ -83,8 +84,8 @@ def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rota
     if lines.any():
         shares[ROTATION] = lines
     transfer = {path: H[:, :own] for path, H in found.transfer.items()}
-    return replace(found, outputs=found.outputs[:own], units=found.units[:own], mean=rotation.mean + shift, shares=shares,
-                   transfer=transfer)  # fmt: skip
+    return replace(found, outputs=found.outputs[:own], units=found.units[:own], mean=rotation.mean + shift,
+                   shares=shares, transfer=transfer)  # fmt: skip
 
 
 def turned_spectra(frequency: np.ndarray, H: np.ndarray, S: np.ndarray, turning: Turning) -> np.ndarray:
