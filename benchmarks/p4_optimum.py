@@ -2,15 +2,16 @@
 
 Runs models/designs/dtu10mw_p4.yaml once for each strategy, which has its own feedback gains as variables: none (CS1),
 of the platform's pitch rate (CS2), of the nacelle's velocity (CS3), of that velocity through a low-pass (CS4); `all`
-has all three. The first search begins at the printed spar, others where CS1 has ended if FOLDER has that. Journals and
-designs are kept there; a search that was cut off goes on from its best. `--check` evaluates the designs of FOLDER in
-all states, fifteen of fatigue and three of fifty years, `--runs 2` simulates two hours of the nonlinear model in two
-of them, and each prints its table of docs/p4_control.md.
+has all three. A search begins at the design of its strategy in FOLDER, or else where CS1 has ended, or else at the
+printed spar. Journals and designs are kept there; one that was cut off goes on from its best. `--check` evaluates the
+designs of FOLDER in all states, fifteen of fatigue and three of fifty years, `--runs 2` has two runs of half an hour of
+the nonlinear model in two of them, and each prints its table of docs/p4_control.md.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 import warnings
@@ -20,12 +21,12 @@ from typing import Any
 
 import numpy as np
 from p3_design import begun_at, processor_time
-from p3_in_time import Hours
-from p4_control import EXTREMES, Spar, label, row
+from p4_control import EXPONENT, EXTREMES, Spar, label, row
 from p4_design import buckling_walls, cost, measures
 from pages import markdown
 
 import fowtlib as fw
+from fowtlib.design.evaluation import Evaluated
 from fowtlib.design.file import read_design
 
 FEEDBACK = {
@@ -44,6 +45,26 @@ def with_strategy(design: fw.Design, name: str) -> fw.Design:
     others = {gain for gains in FEEDBACK.values() for gain in gains} - {*FEEDBACK[name]}
     kept = [item for item in design.variables if item.name not in others]
     return replace(design, variables=kept, title=f"{design.title}, {name}")
+
+
+class Within:
+    """Results of a design with more variables (fowtlib.design.Evaluator), of which others stay at zero.
+
+    So responses and their slopes are prepared once for all strategies.
+    """
+
+    def __init__(self, whole: fw.Design, design: fw.Design):
+        names = whole.space.elements
+        self.whole, self.places = whole, [names.index(name) for name in design.space.elements]
+        self.x = np.where([name in FEEDBACK["all"][:3] for name in names], 0.0, whole.space.start)
+
+    def evaluate(self, x: np.ndarray, jacobian: bool = False) -> Evaluated:
+        full = self.x.copy()
+        full[self.places] = x
+        found = self.whole.results.evaluate(full, jacobian)
+        if found.jacobian is None:
+            return found
+        return replace(found, jacobian={key: slope[:, self.places] for key, slope in found.jacobian.items()})
 
 
 def saved(design: fw.Design, folder: Path, name: str) -> fw.Design:
@@ -97,26 +118,71 @@ def check(design: fw.Design, folder: Path) -> None:
 
 
 def in_time(design: fw.Design, folder: Path, seeds: int) -> None:
-    """Deviations of hours of the nonlinear model, of the same winds and seas for all, and the response over them."""
+    """Runs of half an hour of the nonlinear model, of the same winds and seas for all, and the response over them."""
     rows = []
     for name in (name for name in FEEDBACK if (folder / f"{name}.json").exists()):
         asked = saved(design, folder, name)
-        hours = Hours(asked, folder / f"runs_{name}", seeds, seeds)
+        given = asked.space.parameters(asked.space.start)
         for case in (case for case in asked.cases if case.name in RUN_IN):
-            plant, runs = case.model or asked.plant, hours.of(case)
-            own = {path: value for path, value in hours.given.items() if path in plant.dae.parameters}
+            plant = case.model or asked.plant
+            own = {path: value for path, value in given.items() if path in plant.dae.parameters} | {**case.parameters}
             some = [result for result in WATCHED if result in plant.outputs]
-            response = fw.response(plant, outputs=some, parameters={**own, **case.parameters})
+            runs = [one_run(plant, own, some, seed, folder / f"run_{name}_{case.name.replace(' ', '_')}_{seed}.json")
+                    for seed in range(1, seeds + 1)]  # fmt: skip
+            response = fw.response(plant, outputs=some, parameters=own)
             for result in some:
-                _, std, most, _, load = np.array([run["values"][result] for run in runs]).T
-                found, load = np.sqrt(np.mean(std**2)), np.mean(load**5) ** 0.2
-                ratio = [response.std(result) / found]
-                ratio += [response.equivalent_load(result, 5.0) / load] if "moment" in result else []
-                ratio += [response.extreme(result, 3600.0, 0.57) / most.mean()] if result == "pitch" else []
-                rows.append((name, case.name, result, f"{found:.4g}", f"{load:.4g}" if load else "",
-                             ", ".join(f"{value:.2f}" for value in ratio)))  # fmt: skip
-    heads = ("strategy", "state", "result", "deviation", "range", "response over runs")
+                mean, std, load, most = np.array([run[result] for run in runs]).T
+                std, load = np.sqrt(np.mean(std**2)), np.mean(load**EXPONENT) ** (1 / EXPONENT)
+                over = f"{response.equivalent_load(result, EXPONENT) / load:.2f}" if load else ""
+                rows.append((name, case.name, result, f"{mean.mean():.3g}", f"{response.mean_of(result):.3g}",
+                             f"{std:.4g}", f"{response.std(result) / std:.2f}", f"{load:.1f}", over,
+                             f"{most.mean():.4g}"))  # fmt: skip
+    heads = ("strategy", "state", "result", "mean", "of the response", "deviation", "response over runs", "range",
+             "response over runs", "largest")  # fmt: skip
     print(markdown((heads, rows)))
+
+
+def one_run(plant: Any, given: dict[str, Any], results: list[str], seed: int, file: Path) -> dict[str, list[float]]:
+    """By result: mean, deviation, damage-equivalent range and largest value of a run, but for its first 300 s."""
+    if not file.exists():
+        seeds = {"wind.seed": seed, "sea.seed": 100 + seed}
+        run = plant.simulate(2100.0, 0.25, parameters=given | seeds, outputs=results, solver="fixed", step=0.05)
+        late, found = np.asarray(run.time) > 300.0, {}
+        for name in results:
+            x = np.asarray(run[name])[late]
+            load = fw.damage_equivalent_load(run[name], EXPONENT, discard=300.0) if "moment" in name else 0.0
+            found[name] = [float(v) for v in (x.mean(), x.std(), load, x.max())]
+        file.write_text(json.dumps(found))
+    return json.loads(file.read_text())
+
+
+def draw(design: fw.Design, folder: Path, to: Path) -> None:
+    """Diameters and walls of the printed spar and of those that were found; spectra of the base moment at 17 m/s."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.8), layout="constrained")
+    shape, walls, spectra = figure.subplots(1, 3)
+    found = {name: saved(design, folder, name) for name in FEEDBACK if (folder / f"{name}.json").exists()}
+    state = next(case for case in design.cases if case.name == "wind 17")
+    for k, (name, one) in enumerate({"printed": with_strategy(design, "CS1"), **found}.items()):
+        given, look = one.space.parameters(one.space.start), {"color": f"C{k}", "label": name, "lw": 1.2}
+        values = {**design.plant.parameter_values(), **given}
+        z = np.concatenate([values["hull_heights"], values["tower_heights"]])
+        shape.plot(np.concatenate([values["hull_diameters"], values["tower_diameters"]]), z, **look)
+        walls.plot(1e3 * np.asarray(values["tower_walls"]), values["tower_heights"], **look)
+        response = fw.response(design.plant, outputs=["tower_base_moment"], parameters={**given, **state.parameters})
+        for process, line in (("sea", "--"), ("wind", "-")):
+            spectrum = response.spectrum("tower_base_moment", process)
+            look |= {"ls": line, "label": f"{name}, {process}"}
+            spectra.loglog(2 * np.pi * spectrum.frequency, spectrum.density / (2 * np.pi), **look)
+    shape.set(xlabel="diameter [m]", ylabel="height above the still water level [m]")
+    shape.axhline(0.0, color="0.7", lw=0.8)
+    walls.set(xlabel="wall of the tower [mm]")
+    spectra.set(xlim=(0.05, 2), ylim=(10, 1e5), xlabel="frequency [rad/s]",
+                ylabel="base moment, 17 m/s [(MN m)^2 s/rad]")  # fmt: skip
+    for axes in (shape, spectra):
+        axes.legend(frameon=False, fontsize=7)
+    figure.savefig(to, dpi=120)
 
 
 def main() -> None:
@@ -127,7 +193,8 @@ def main() -> None:
     parser.add_argument("--region", type=float, default=0.04)
     parser.add_argument("--processes", type=int, default=1, help="that evaluate states at once")
     parser.add_argument("--check", action="store_true", help="the designs of the folder in all states")
-    parser.add_argument("--runs", type=int, default=0, help="hours of the nonlinear model in each of two states")
+    parser.add_argument("--draw", type=Path, help="a picture of the designs of the folder")
+    parser.add_argument("--runs", type=int, default=0, help="of half an hour in two states")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     arguments.folder.mkdir(parents=True, exist_ok=True)
@@ -136,17 +203,23 @@ def main() -> None:
     def say(line: str) -> None:
         print(f"{time.perf_counter() - begun:7.0f} s {processor_time():6.0f} s  {line}", flush=True)
 
-    if arguments.check or arguments.runs:
-        if arguments.check:
-            check(read.design, arguments.folder)
-        if arguments.runs:
-            in_time(read.design, arguments.folder, arguments.runs)
+    if arguments.check:
+        check(read.design, arguments.folder)
+    if arguments.runs:
+        in_time(read.design, arguments.folder, arguments.runs)
+    if arguments.draw:
+        draw(read.design, arguments.folder, arguments.draw)
+    if arguments.check or arguments.runs or arguments.draw:
         return
+    whole = replace(read.design, processes=arguments.processes)
     for name in arguments.strategy or list(FEEDBACK)[:4]:
-        asked = replace(with_strategy(read.design, name), processes=arguments.processes)
-        first = arguments.folder / "CS1.json"
-        if first.exists():
-            asked = begun_at(asked, first)
+        asked = with_strategy(read.design, name)
+        within = Within(whole, asked)
+        asked = replace(asked, evaluator=lambda *_, within=within, **__: within)
+        for first in (arguments.folder / f"{name}.json", arguments.folder / "CS1.json"):
+            if first.exists():
+                asked = begun_at(asked, first)
+                break
         say(name)
         options = {**read.optimiser, "iterations": arguments.iterations}
         found = asked.optimise(**options, options={"region": arguments.region, "say": say}, resume=True, say=say,
