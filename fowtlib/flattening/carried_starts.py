@@ -13,12 +13,15 @@ import casadi as ca
 from fowtlib.flattening.system import System
 
 
-def carry_starts(system: System, states: Sequence[int], torn: Sequence[int], given: Iterable[tuple[int, ca.SX]]) -> None:
+def carry_starts(
+    system: System, states: Sequence[int], torn: Sequence[int], given: Iterable[tuple[int, ca.SX]]
+) -> None:
     """Put start values of unknowns that are assigned into those that they follow from.
 
-    given: numbers of assigned unknowns and what each is, of states, torn unknowns and what is known. It is carried
-    where it contains, with a factor of numbers and parameters, one unknown whose own start counts less: which has none,
-    or a default where this one was given for the model. A torn unknown, whose start is a guess, takes it before a state.
+    given: numbers of assigned unknowns and what each is, of states, torn unknowns and what is known. A start is carried
+    where that contains, with a factor of numbers and parameters, one unknown whose own start counts less: which has
+    none, or a default where this one was given for the model. A torn unknown, whose start is a guess, takes it before
+    a state. Where there is none, or several, the start has no effect.
     """
     unknowns = system.unknowns
     rows = [(j, value) for j, value in given if unknowns[j].order == 0 and unknowns[j].start is not None]

@@ -1,4 +1,4 @@
-"""The report of `Model.check()` and of `fowt check`: what the model is made of, and what is wrong without solving it."""
+"""The report of `Model.check()` and of `fowt check`: what a model is made of, and what is wrong unsolved."""
 
 from __future__ import annotations
 

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.errors import SimulationError
 from fowtlib.language.leave import require_leave
-from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.checkpoint import checkpoint as make_checkpoint
@@ -26,7 +25,6 @@ from fowtlib.solving.events import StateEvents
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt, stoppable
-from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.pace import announcement, is_slow, longest_stretch, seconds_per_second

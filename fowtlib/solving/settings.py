@@ -38,7 +38,9 @@ def duration_settings(
     given = {"duration": t_end, "output_step": output_step, "tolerance": tolerance}
     end, interval, relative = (
         float(to_si(settings.get(key, default) if given[key] is None else given[key], unit, key))
-        for key, default, unit in (("duration", 600.0, "s"), ("output_step", OUTPUT_STEP, "s"), ("tolerance", 1e-6, "1"))
+        for key, default, unit in (
+            ("duration", 600.0, "s"), ("output_step", OUTPUT_STEP, "s"), ("tolerance", 1e-6, "1"),
+        )
     )
 
     def error(message: str, *keys: str) -> ParameterError:
