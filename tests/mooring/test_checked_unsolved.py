@@ -1,4 +1,4 @@
-"""What a check of a model says of its lines before anything is solved: what a run from the same start would end with."""
+"""What a check of a model says of its lines unsolved: what a run from the same start would end with."""
 
 from __future__ import annotations
 

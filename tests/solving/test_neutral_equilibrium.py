@@ -37,7 +37,7 @@ def test_what_nothing_holds_keeps_its_start(begin, push):
 
 
 def test_a_rotor_in_still_air_starts_at_rest():
-    """The platform tips by the weight of its turbine on its way to the mean, and its hub pulls air through the rotor."""
+    """The platform tips by the weight of its turbine on its way to the mean, and air goes through its rotor."""
     still = {"wind.kind": "steady", "wind.mean_speed": 0.0, "sea.spectrum": "still"}
     state = fw.load("oc3_spar_rigid").compile().equilibrium(still)
     assert abs(state["turbine.rotor.w"]) < 1e-9  # rad/s; 0.0068 by the transient
