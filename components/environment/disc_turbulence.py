@@ -49,14 +49,14 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     The sum over all orders is the coherence of two points on one ray, and 1 on one ring.
     """
     r, order = np.atleast_1d(np.asarray(radii, dtype=float)), np.atleast_1d(np.asarray(orders, dtype=int))
-    return _of_rings(_around(frequency, r, coherence), r.size, order)
+    return _of_rings((_around(frequency, r, coherence) @ _turns(order)).transpose(0, 2, 1), r.size)
 
 
-def _of_rings(around: Floats, count: int, orders: NDArray[np.int64]) -> Floats:
-    """Shares (q, orders, r, r) of the coherence of each two rings; two have the same in common in either order."""
+def _of_rings(pairs: Floats, count: int) -> Floats:
+    """Shares (q, orders, r, r) from those of each two rings (q, orders, pairs), which are the same in either order."""
     one, other = np.triu_indices(count)
-    found = np.empty((len(around), orders.size, count, count))
-    found[:, :, one, other] = found[:, :, other, one] = (around @ _turns(orders)).transpose(0, 2, 1)
+    found = np.empty((*pairs.shape[:2], count, count))
+    found[:, :, one, other] = found[:, :, other, one] = pairs
     return found
 
 
@@ -91,10 +91,15 @@ def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, .
     found = []
     for text, of_kind in zip(weights, orders, strict=True):
         w, whole = np.frombuffer(text).reshape(-1, r.size), tuple(sorted({abs(order) for order in of_kind}))
-        of_pairs = w[:, None, one] * w[:, other] + np.where(one == other, 0.0, w[:, None, other] * w[:, one])
         pairs = _by_decay(radii, whole) if around is None else _of_pairs(around, whole)
-        sums = (of_pairs.reshape(-1, one.size) @ pairs).reshape(*of_pairs.shape[:2], len(whole), -1)
-        sums = np.moveaxis(sums @ _barycentric(np.log(decay)).T if around is None else sums, -1, 0)
+        to_table = _barycentric(np.log(decay)).T if around is None else np.eye(TABLE.size)
+        if len(w) ** 2 < one.size:
+            of_pairs = w[:, None, one] * w[:, other] + np.where(one == other, 0.0, w[:, None, other] * w[:, one])
+            sums = (of_pairs.reshape(-1, one.size) @ pairs).reshape(*of_pairs.shape[:2], len(whole), -1) @ to_table
+            sums = np.moveaxis(sums, -1, 0)
+        else:  # hardly fewer sums than rings
+            table = (pairs.reshape(one.size, len(whole), -1) @ to_table).transpose(2, 1, 0)
+            sums = np.moveaxis(w @ _of_rings(table, r.size) @ w.T, 1, -1)
         splines = PchipInterpolator(np.log(TABLE), sums, axis=0)
         found.append({order: PPoly.construct_fast(np.ascontiguousarray(splines.c[..., k]), splines.x)
                       for k, order in enumerate(whole)})  # fmt: skip
