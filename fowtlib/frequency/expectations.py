@@ -49,7 +49,6 @@ class Expected:
     """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow.
 
     unknowns: the mean of these, at which their own rows vanish.
-
     quadratic: what the rows are of second order, by the Gaussian [states; signals]; None where that was not asked for.
     """
 
@@ -396,15 +395,14 @@ class _Sums:
     """
 
     def __init__(self, function: Arrays, alg: slice, followers: Sequence[int]):
-        self.function, self.alg, self.followers, self.count = function, alg, list(followers), 0
+        self.function, self.alg, self.followers = function, alg, list(followers)
         self.sums: list[np.ndarray] = []
 
     def add(self, values: np.ndarray, entries: list[np.ndarray], z: np.ndarray, by_others: np.ndarray) -> None:
         """A point, with entries of the slopes, its unknowns, and slopes (k, states) of the followers."""
         f_x, f_z, f_s = (_dense(self.function, k, of) for k, of in enumerate(entries))
-        h = -np.linalg.solve(f_z[self.alg], np.hstack([f_x, f_s])[self.alg]) if z.size else np.zeros((0, f_x.shape[1]
-                                                                                                  + f_s.shape[1]))
-        n = f_x.shape[1]
+        n, rest = f_x.shape[1], np.hstack([f_x, f_s])[self.alg]
+        h = -np.linalg.solve(f_z[self.alg], rest) if z.size else rest
         whole, h_x = f_x + f_z @ h[:, :n], h[:, :n]
         parts = [values, whole, f_z, f_s + f_z @ h[:, n:], h_x, h[:, n:], z,
                  whole[:, self.followers] @ by_others, h_x[:, self.followers] @ by_others]  # fmt: skip
