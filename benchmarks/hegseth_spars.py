@@ -5,6 +5,7 @@
 `python benchmarks/hegseth_spars.py fatigue`    damage of an hour in five states, Dirlik beside rainflow of runs
 `python benchmarks/hegseth_spars.py life`       fatigue in 546 states, Dirlik beside rainflow of runs
 `python benchmarks/hegseth_spars.py shift`      fatigue of spar 2 with its bending of 1.85 s, and with that of 1.79 s
+`python benchmarks/hegseth_spars.py shapes`     a picture of the modes of the optimised spar, and their periods
 
 Runs are hours with a wind and a sea of their own (`--seeds 6`), after 600 s from the mean position. Bounds are those of
 the mean of the seeds at 95 % (Student). What runs gave is kept in `--folder`, so that a stopped benchmark goes on.
@@ -29,6 +30,7 @@ import fowtlib as fw
 from fowtlib.analysis.fatigue import SNCurve, TubeSection, rainflow_cycles, sn_curve
 from fowtlib.analysis.spectra import power_spectrum
 from fowtlib.metocean import centre_bins, likely_states, site
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 MODE = np.exp(-1)  # quantile of the most probable largest value
@@ -41,6 +43,7 @@ CURVES = {
     for spar, section in BASE.items()
 }
 FAST = 0.3  # Hz, between the waves and what the blades do in passing the tower
+SHAPES = {"surge": 147.6, "pitch": 34.0, "first bending": 1.31, "second bending": 0.4}  # s, about
 FEATHERED = 61.0  # N/(m/s)^2, drag of the idling rotor, by dtu10mw_land in 50 m/s: 152.4 kN
 OF_50_YEARS = {  # mean wind speed [m/s], significant wave height [m], peak period [s]
     "EC1": (11.0, 6.9, 10.0), "EC2": (25.0, 10.3, 12.5), "EC3": (36.0, 12.9, 14.0), "EC4": (50.0, 15.1, 16.0),
@@ -315,9 +318,37 @@ def shift(folder: Path, seeds: int) -> None:
                   f"ratio {ours / mean:.2f} +- {ours / mean**2 * bound(np.array(found)):.2f}")  # fmt: skip
 
 
+def shapes(folder: Path, seeds: int) -> None:
+    """How far the axis of hull and tower moves along the waves in each mode, over the height, 1 at the farthest."""
+    plant = fw.load("dtu10mw_spar_3").compile()
+    state = plant.equilibrium(parameters={"sea.spectrum": "still"})
+    frames = [f"{beam}.hinge_{k}.frame_b" for beam in ("hull", "tower.beam")
+              for k in range(1, int(plant.root.find(beam).hinges) + 1)]  # fmt: skip
+    frames = ["hull.frame_a", *frames, "tower.frame_b"]
+    heights = np.array([float(np.squeeze(state[f"{frame}.r[2]"])) for frame in frames])
+    linear = plant.linearize(state, outputs=[f"{frame}.r[{axis}]" for axis in (0, 1) for frame in frames])
+    roots, vectors = np.linalg.eig(linear.matrices["A"])
+    moved, across = np.split(linear.matrices["C"] @ vectors, 2)
+    order, along = np.argsort(heights), np.abs(moved).max(axis=0) > np.abs(across).max(axis=0)
+    periods = 2 * np.pi / np.maximum(np.abs(roots), 1e-9)
+    with drawing_style():
+        figure = drawing(9.0, 4.6)
+        axes = figure.subplots(1, len(SHAPES), sharey=True)
+        for axis, (name, period) in zip(axes, SHAPES.items(), strict=True):
+            k = min(np.flatnonzero((roots.imag > 0) & along), key=lambda k: abs(np.log(periods[k] / period)))
+            shape = moved[:, k] / moved[np.abs(moved[:, k]).argmax(), k]
+            print(f"{name}: {periods[k]:.4g} s; out of phase {np.abs(shape.imag).max():.3f}")
+            axis.axvline(0.0, color=INK, lw=0.6)
+            axis.axhline(0.0, color=COLORS[0], lw=0.8, ls="--")
+            axis.plot(shape.real[order], heights[order], color=COLORS[1], marker="o", ms=2.5)
+            axis.set(title=f"{name}, {periods[k]:.3g} s", xlabel="displacement [1]", xlim=(-1.15, 1.15))
+        axes[0].set_ylabel("height above the still water level [m]")
+    print(save_figure(figure, folder / "spar_mode_shapes.png"))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=["extremes", "runs", "fatigue", "life", "shift"])
+    parser.add_argument("study", choices=["extremes", "runs", "fatigue", "life", "shift", "shapes"])
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--spars", default="1,2,3", help="of runs, fatigue and life")
     parser.add_argument("--cases", default="9,15,21,EC1,EC4", help=f"of runs: {', '.join(LIKELY | OF_50_YEARS)}")
@@ -333,7 +364,7 @@ def main() -> None:
     elif given.study in ("fatigue", "life"):
         {"fatigue": fatigue, "life": life}[given.study](*study, spars)
     else:
-        {"extremes": extremes, "shift": shift}[given.study](*study)
+        {"extremes": extremes, "shift": shift, "shapes": shapes}[given.study](*study)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import numpy as np
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary, line_motion
-from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
+from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor, long_enough
 from fowtlib.components.mooring.line_properties import IN_BALANCE, MOVING, UniformLine
 from fowtlib.language import (
     Scalar,
@@ -140,6 +140,7 @@ def _limits(line, V_anchor):
                 "is taken as constant up to greatest_strain = {limit}. Its ends are {apart} m apart, it is {length} m "
                 "long", strain=strain, limit=line.greatest_strain, length=line.length,
                 apart=m.sqrt(line.distance**2 + line.rise**2)),
+        long_enough(line, line.length),
         assert_(peak <= m.fmax(m.fmax(anchor, fairlead), 0), "the line rises to the surface between its "
                 "ends; a line that floats there is not modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),

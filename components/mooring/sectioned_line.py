@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary, sections
-from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
+from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor, long_enough
 from fowtlib.components.mooring.catenary_line import arch
 from fowtlib.components.mooring.line_of_sections import LineOfSections
 from fowtlib.language import Array, Scalar, Vector, assert_, eq, param, port, shapes, var
@@ -138,6 +138,7 @@ def _limits(line: SectionedLine, hung, heights):
         *ends_above_seabed(line.world.water_depth, anchor, fairlead),
         assert_(strain < line.greatest_strain, "a section is stretched by {strain} of its length; its axial stiffness "
                 "is taken as constant up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
+        long_enough(line, sum(line.each("lengths"))),
         assert_(highest <= m.fmax(m.fmax(anchor, fairlead), 0), "the line comes up to z = {z} m between its ends; a "
                 "line or buoy that floats at the surface is not modelled", z=highest),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),

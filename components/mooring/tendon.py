@@ -9,6 +9,7 @@ from fowtlib.components.mooring.catenary_line import line_weight
 from fowtlib.components.mooring.lost_line import Losable
 from fowtlib.language import Scalar, Vector, assert_, assign, der, eq, on, outer, param, port, shapes, var, when
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 
 class Tendon(Losable):
@@ -23,7 +24,8 @@ class Tendon(Losable):
     Where the least tension along it comes below zero the tendon goes slack: an event, counted, with its time, and
     said once as a warning. An equilibrium with a slack tendon is an error. What a straight tendon leaves out is its
     sag: (w L / T)^2 / 12 of the stiffness across it, 1 % at w L = 0.35 T; beyond w L = T, 8 %, it warns. No inertia,
-    drag or bending. Errors: an end below the seabed. Warnings: a tension above the breaking load. It may be lost.
+    drag or bending. Errors: an end below the seabed; a mean stretch beyond greatest_strain. Warnings: a tension above
+    the breaking load. It may be lost.
     """
 
     length: Scalar = param(unit="m", min=1e-3, doc="distance at which it has the pretension; without one, unstretched")
@@ -35,6 +37,7 @@ class Tendon(Losable):
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="axial damping")
     slack_tension: Scalar = param(default=1000.0, unit="N", min=1e-6, doc="width of the rounding where it goes slack")
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
+    greatest_strain: Scalar = param(default=0.1, min=POSITIVE, doc="stretch per length up to which EA is constant")
     breaking_load: Scalar = param(default=None, unit="N", min=0, doc="tension above which the tendon warns")
 
     world: World = outer(World)
@@ -80,7 +83,7 @@ class Tendon(Losable):
 
 def _limits(tendon: Tendon, half):
     """What the equations hold for."""
-    short = tendon.unstretched - tendon.distance
+    short, strain = tendon.unstretched - tendon.distance, tendon.intact * (tendon.distance / tendon.unstretched - 1)
     breaking = [] if tendon.breaking_load is None else [
         assert_(tendon.tension < tendon.breaking_load, "the tension of {tension} N is above the breaking load",
                 "warning", tension=tendon.tension)
@@ -90,6 +93,10 @@ def _limits(tendon: Tendon, half):
         assert_(tendon.distance > 1e-9, "the two ends of the tendon meet, so its direction is undetermined"),
         assert_(tendon.fairlead.r[2] > -tendon.world.water_depth, "the fairlead is at {z} m, below the seabed at "
                 "{seabed} m", z=tendon.fairlead.r[2], seabed=-tendon.world.water_depth),
+        assert_(strain < tendon.greatest_strain, "the tendon is stretched by {strain} of its length; its axial "
+                "stiffness is taken as constant up to greatest_strain = {limit}. Its ends are {distance} m apart, "
+                "unstretched it is {unstretched} m long", strain=strain, limit=tendon.greatest_strain,
+                distance=tendon.distance, unstretched=tendon.unstretched),
         assert_(tendon.slack_events < 0.5, "the tendon went slack at t = {time} s", "warning", time=tendon.first_slack),
         assert_(m.logic_not(m.if_else(tendon.slack_events > 0.5, 0, slack)), "the tendon is slack from the start on, "
                 "by {tension} N", "warning", tension=tendon.least_tension),

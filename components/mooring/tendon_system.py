@@ -11,12 +11,13 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring.tendon import Tendon
 from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.shapes import Drawing
 
 TENDON_PROPERTIES = (
     "pretension", "axial_stiffness", "mass_per_length", "diameter", "weight_per_length", "damping", "slack_tension",
-    "breaking_load",
+    "greatest_strain", "breaking_load",
 )  # fmt: skip
 
 
@@ -46,6 +47,7 @@ class TendonSystem(Component):
     weight_per_length: Array = param(default=None, unit="N/m", doc="weight in water, instead of mass and diameter")
     damping: Array = param(default=0.0, unit="N*s/m", min=0, doc="axial damping")
     slack_tension: Array = param(default=1000.0, unit="N", min=1e-6, doc="width of the rounding where one goes slack")
+    greatest_strain: Array = param(default=0.1, min=POSITIVE, doc="stretch per length up to which EA is constant")
     breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a tendon warns")
 
     frame: Frame = port(doc="frame of the body, on the centreline")

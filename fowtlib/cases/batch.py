@@ -330,7 +330,7 @@ def _jobs(cases: CaseSet, folder: Path, about: Mapping[str, Any],
     from fowtlib.language.leave import require_leave
     from fowtlib.modelfile import load, shipped_models
     from fowtlib.modelfile.files import find_model, is_file
-    from fowtlib.solving.run import duration_settings
+    from fowtlib.solving.settings import duration_settings
 
     models = check_cases(cases, lambda name: load(name, **options))
     names = {}

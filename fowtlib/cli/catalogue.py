@@ -114,7 +114,9 @@ def _nature(field: Port) -> str:
 
 
 def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:g}"
+    return " ".join(str(value).split())  # a matrix would end the line of its table
 
 
 def markdown(items: list[Class]) -> str:

@@ -209,7 +209,7 @@ def _earlier(path: Path) -> Result | None:
 
 def _check_discard(arguments: argparse.Namespace, plant: Plant, earlier: Result | None) -> None:
     """Refuse to leave out all of a run, before it is computed."""
-    from fowtlib.solving.run import duration_settings
+    from fowtlib.solving.settings import duration_settings
 
     end, *_ = duration_settings(arguments.time, arguments.output_step, None, plant.settings)
     first = earlier.time[0] if earlier and earlier.time.size else 0.0

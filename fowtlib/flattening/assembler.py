@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.aliases import eliminate_aliases
+from fowtlib.flattening.carried_starts import carry_starts
 from fowtlib.flattening.causalization import Causal, Causalization
 from fowtlib.flattening.diagnosis import check_structure
 from fowtlib.flattening.flat_dae import (
@@ -232,6 +233,9 @@ class _Flattening:
             solved[name] = flat[position : position + len(members)]
             position += len(members)
 
+        numbers = (system.number.get(symbol.element_hash()) for symbol in symbols)
+        given = [(j, value) for j, value in zip(numbers, assigned, strict=True) if j is not None]
+        carry_starts(system, states, causal.torn, given)
         observed, units, docs = self._observed(states, causal, symbols, assigned, solved)
         externals = _externals(calls, solved["inputs"])
         return FlatDAE(

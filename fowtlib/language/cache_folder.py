@@ -23,7 +23,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.stand_in import Refused, is_unwritable, make_stand_in, stand_in
+from fowtlib.language.left_over import remove_left_over
+from fowtlib.language.stand_in import PREFIX, Refused, is_unwritable, make_stand_in, stand_in
 from fowtlib.language.whole_files import sync_folder
 
 LIMIT = 500.0  # MB, where FOWTLIB_CACHE_LIMIT says nothing else
@@ -286,7 +287,11 @@ def entries(folder: Path | None = None) -> list[Entry]:
 
 
 def prune() -> None:
-    """Delete what was used longest ago until the rest is within the limit, and what was left half made."""
+    """Delete what was used longest ago until the rest is within the limit, and what was left half made.
+
+    And the folders that stood in for one that could not be written to, of processes that were killed.
+    """
+    remove_left_over(PREFIX)
     most, total, now = limit(), 0, time.time()
     for entry in entries():
         total += entry.size

@@ -1,7 +1,8 @@
 """A folder for what is kept while one process runs, where the cache folder cannot be written to.
 
 So it is in a container whose home is read-only, or on a disk without room. Processes that this one starts use the same
-folder, which they find in their environment; with the first process it goes.
+folder, which they find in their environment; with the first process it goes. Where that is killed, it goes when a later
+process makes one of its own, or puts something into its cache, and nobody uses it any more.
 """
 
 from __future__ import annotations
@@ -15,8 +16,12 @@ import threading
 import warnings
 from pathlib import Path
 
+from fowtlib.language.left_over import hold, remove_left_over
+
 VARIABLE = "FOWTLIB_CACHE_STAND_IN"
 """For processes that this one starts: the folder that cannot be written to and the one instead, two lines."""
+
+PREFIX = "fowtlib_cache_"
 
 _UNWRITABLE = (errno.EACCES, errno.EROFS, errno.ENOSPC, errno.EDQUOT)
 _lock = threading.Lock()
@@ -34,7 +39,10 @@ def is_unwritable(error: OSError) -> bool:
 def stand_in(folder: Path) -> Path | None:
     """The folder used instead of this one; None where there is none."""
     named, _, instead = os.environ.get(VARIABLE, "").partition("\n")
-    return Path(instead) if instead and named == str(folder) and os.path.isabs(instead) else None
+    if not (instead and named == str(folder) and os.path.isabs(instead)):
+        return None
+    hold(Path(instead))
+    return Path(instead)
 
 
 def make_stand_in(folder: Path, error: OSError) -> Path:
@@ -43,9 +51,11 @@ def make_stand_in(folder: Path, error: OSError) -> Path:
         if found := stand_in(folder):
             return found
         try:
-            made = Path(tempfile.mkdtemp(prefix="fowtlib_cache_"))
+            remove_left_over(PREFIX)
+            made = Path(tempfile.mkdtemp(prefix=PREFIX))
         except OSError:
             raise error from None
+        hold(made)
         os.environ[VARIABLE] = f"{folder}\n{made}"
         atexit.register(_remove, made, os.getpid())
     warnings.warn(

@@ -16,7 +16,7 @@ from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text, text_node
-from fowtlib.solving.conditions import OUTPUT_STEP
+from fowtlib.solving.settings import Settings
 from fowtlib.solving.starts import KINDS as STARTS
 from fowtlib.solving.timeline import Event
 
@@ -104,10 +104,10 @@ def _event(node: Node) -> Event:
         raise ModelFileError(error.message, where=error.where) from None
 
 
-def _settings(node: Node) -> dict[str, Any]:
+def _settings(node: Node) -> Settings:
     items = mapping(node, f"'simulation' is a mapping: {', '.join(SETTINGS)}")
     check_keys(items, SETTINGS, "'simulation'")
-    settings: dict[str, Any] = {}
+    settings = Settings(places={key: f"{item.place}: simulation.{key}" for key, item in items.items()})
     for key, item in items.items():
         if isinstance(item.value, (list, dict)):
             raise item.place.error(f"simulation.{key} is one value, not {item.kind}.")
@@ -121,10 +121,4 @@ def _settings(node: Node) -> dict[str, Any]:
             raise item.place.error(f"simulation.{key}: {error}") from None
     if settings.get("start", "file") not in STARTS:
         raise items["start"].place.error(f"simulation.start: '{settings['start']}' is not {one_of(STARTS)}.")
-    step, points = settings.get("step", 0.0), settings.get("output_step", OUTPUT_STEP)
-    if settings.get("solver") == "fixed" and step > points * (1 + 1e-9):
-        raise items["step"].place.error(
-            f"simulation.step, {step:g} s, is longer than output_step, {points:g} s; "
-            "give a shorter step or a longer output_step."
-        )
     return settings

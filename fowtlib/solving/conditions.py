@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 Values = Mapping[str, Any]
 
-OUTPUT_STEP = 0.1  # s, where neither a run nor its model says another one
-
 
 @dataclass(frozen=True)
 class Conditions:

@@ -13,19 +13,20 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE, dimensions_of, flat
 from fowtlib.language.component import Component
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.solving.binding import bind
-from fowtlib.solving.check import ModelReport
+from fowtlib.solving.check import ModelReport, broken_at_start
+from fowtlib.solving.engines.choice import check_settings
 from fowtlib.solving.paths import spread_out
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
 from fowtlib.solving.starts import mean_parameters, mean_values
 
 # What is known of the root of a model besides its parts: title, outputs, settings, name.
-_KNOWN: WeakKeyDictionary[Component, tuple[str, dict[str, Any], dict[str, Any], str]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Component, tuple[str, dict[str, Any], Mapping[str, Any], str]] = WeakKeyDictionary()
 
 
-def known_of(root: Component) -> tuple[str, dict[str, Any], dict[str, Any], str] | None:
+def known_of(root: Component) -> tuple[str, dict[str, Any], Mapping[str, Any], str] | None:
     """Title, outputs, settings and name of the model that this component is the root of; None for any other one."""
     return _KNOWN.get(root)
 
@@ -59,7 +60,7 @@ class Model:
 
     def __post_init__(self) -> None:
         if self.outputs or self.settings:
-            _KNOWN[self.root] = (self.title, dict(self.outputs), dict(self.settings), self.name)
+            _KNOWN[self.root] = (self.title, dict(self.outputs), copy.copy(self.settings), self.name)
 
     def compile(self, inputs: Sequence[str] | Mapping[str, str] = ()) -> Plant:
         """Flatten the model; raises ModelError subclasses that say by path what is wrong.
@@ -94,7 +95,8 @@ class Model:
         statement = self.settings.get("equilibrium")
         if not statement:
             return self
-        rest = {key: value for key, value in self.settings.items() if key != "equilibrium"}
+        rest = dict(copy.copy(self.settings))
+        del rest["equilibrium"]
         plant = replace(self, settings=rest).compile()
         try:
             mean = mean_parameters(plant, statement.get("set"))
@@ -122,13 +124,21 @@ class Model:
         return table(("output", "variable", "unit", ""), rows, repr(self)[1:-1])
 
     def check(self) -> ModelReport:
-        """Flatten the model and check the dimensions of its equations; the report says what was found."""
+        """Flatten the model, and check dimensions, the settings of a run and what can be judged of its start unsolved.
+
+        The report says what was found.
+        """
         title = self.title or self.name or "model"
         dae = flat(self.root)
         dimensions = dimensions_of(self.root, dae)
-        bind(dae, self.root)
-        remarks = tuple(remark for part in self.root.walk() for remark in part.remarks())
-        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions, remarks)
+        faults, warned = broken_at_start(dae, bind(dae, self.root), self.name)
+        try:
+            check_settings(self.settings)
+        except ParameterError as error:
+            faults.append(str(error))
+        remarks = [remark for part in self.root.walk() for remark in part.remarks()]
+        parts = sum(1 for _ in self.root.walk()) - 1
+        return ModelReport(title, parts, dae, dimensions, (*remarks, *warned), tuple(faults))
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""

@@ -51,7 +51,7 @@ class Plant:
         self.dae, self.name, self.title = dae, name, title
         self.root = copy.deepcopy(root)  # what is done to the model later is no part of this
         self._bindings = Bindings(dae, self.root)
-        self.settings, self.input_names = dict(settings or {}), dict(input_names or {})
+        self.settings, self.input_names = copy.copy(settings or {}), dict(input_names or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
         self.code: FixedStepCode | None = None
         self._written: Written | None = None

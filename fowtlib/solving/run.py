@@ -12,22 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.errors import SimulationError
 from fowtlib.language.leave import require_leave
-from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.checkpoint import checkpoint as make_checkpoint
 from fowtlib.solving.checkpoint import differences, restore
 from fowtlib.solving.checks import broken, too_coarse
-from fowtlib.solving.conditions import OUTPUT_STEP
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.events import StateEvents
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt, stoppable
-from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.pace import announcement, is_slow, longest_stretch, seconds_per_second
@@ -38,7 +35,6 @@ from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
 from fowtlib.solving.timeline import Timeline
 
-MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
 SLOW_STRETCH = 50  # output points of a stretch without a compiler; never by the clock, which results do not depend on
 MOST_PARTS = 10_000  # stretches of an output step
@@ -60,29 +56,6 @@ class About:
     name: str
     title: str
     binding: Binding
-
-
-def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Values) -> tuple[float, float, float]:
-    """The end [s], the output step [s] and the tolerance of a run: as given, else the model's, else the defaults."""
-    end, interval, relative = (
-        float(to_si(settings.get(key, default) if value is None else value, unit, key))
-        for value, key, default, unit in (
-            (t_end, "duration", 600.0, "s"),
-            (output_step, "output_step", OUTPUT_STEP, "s"),
-            (tolerance, "tolerance", 1e-6, "1"),
-        )
-    )
-    for key, seconds in (("duration", end), ("output step", interval)):
-        if not 0 < seconds < np.inf:
-            raise ParameterError(f"the {key} is {seconds:g} s; it must be a finite number above zero.")
-    if end / interval > MOST_POINTS:
-        raise ParameterError(
-            f"{end:g} s with an output step of {interval:g} s are {end / interval:.3g} output points, and the limit is "
-            f"{MOST_POINTS:g}; give a longer output step, or run it in pieces that go on from each other."
-        )
-    if not 0 < relative < 1:
-        raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
-    return end, interval, relative
 
 
 class Run:

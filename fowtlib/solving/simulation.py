@@ -16,7 +16,8 @@ from fowtlib.solving.layout import Values
 from fowtlib.solving.paths import names_of
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.journal import Journal
-from fowtlib.solving.run import About, Run, duration_settings
+from fowtlib.solving.run import About, Run
+from fowtlib.solving.settings import duration_settings
 from fowtlib.solving.starts import start_values
 from fowtlib.solving.state import State
 from fowtlib.solving.timeline import Timeline

@@ -231,16 +231,6 @@ CASES = {
         "world: {class: World}\nsimulation: {step: 0 ms}\n",
         "model.yaml:3: simulation.step is 0; a number above zero is expected.",
     ),
-    "step_longer_than_the_output_step": (
-        "world: {class: World}\nsimulation:\n  {solver: fixed, output_step: 50 ms, step: 60 ms}\n",
-        "model.yaml:4: simulation.step, 0.06 s, is longer than output_step, 0.05 s; give a shorter step or a longer "
-        "output_step.",
-    ),
-    "step_longer_than_the_output_step_that_is_not_given": (
-        "world: {class: World}\nsimulation:\n  solver: fixed\n  step: 0.3 s\n",
-        "model.yaml:5: simulation.step, 0.3 s, is longer than output_step, 0.1 s; give a shorter step or a longer "
-        "output_step.",
-    ),
     "duration_below_zero": (
         "world: {class: World}\nsimulation:\n  duration: -30 s\n",
         "model.yaml:4: simulation.duration is -30; a number above zero is expected.",
