@@ -18,6 +18,7 @@ from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
 from fowtlib.solving.differences import derivative
 
 ORDERS = (0, 1, 2, 4)
+REST = 1e-13  # of the mean, or of one unit, a deviation that is nothing but rounding
 
 
 @dataclass(frozen=True)
@@ -197,7 +198,7 @@ def with_slopes(item: Quantity, moments: np.ndarray, mean: float, unit: str,
     value, by_moments = at(moments, mean), np.zeros(len(ORDERS))
     if not slopes:
         return value, by_moments, 0.0
-    if not moments[0] > 0:
+    if not moments[0] > (REST * max(1.0, abs(mean))) ** 2:
         raise SimulationError(f"{label(item)}: the result is at rest, and its deviation has no derivative there.")
     here = np.array([value])
     for k in range(len(ORDERS)):

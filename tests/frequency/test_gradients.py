@@ -26,6 +26,7 @@ from fowtlib.frequency import (
 from fowtlib.frequency.adjoint import _alike
 from fowtlib.frequency.common_sums import _alone, _by_products
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.quantities import with_slopes
 from fowtlib.language import (
     Component,
     ExternalFunction,
@@ -437,6 +438,14 @@ def test_derivatives_of_functions_in_python():
         derivative(lambda x: np.array([max(x, 2.0)]), 2.0, what="the wall")
     with pytest.raises(SimulationError, match="kink or a jump"):
         derivative(lambda x: np.floor([x]), 2.0)
+
+
+@pytest.mark.parametrize("deviation", [0.0, 4e-16])
+def test_a_result_that_is_at_rest_but_for_rounding_has_no_deviation_to_differentiate(deviation):
+    """Sway of a spar in waves along x: 4e-16 m."""
+    moments = deviation**2 * np.array([1.0, 0.1, 0.01, 1e-4])
+    with pytest.raises(SimulationError, match="std sway: the result is at rest"):
+        with_slopes(Std("sway"), moments, -1e-13, "m")
 
 
 def test_what_has_no_derivative_says_why():
