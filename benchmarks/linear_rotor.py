@@ -4,7 +4,9 @@ Hours of a model with a rotor of coefficients, as it is, and with its thrust, it
 value and slopes of the table there, which leave the response as it is. Where runs with both agree with the response,
 and runs as they are do not, the loads of the rotor are the cause. Two more responses have slopes that know of the
 turbulence: the mean of the slopes over what the runs met, and those of the loads fitted to the runs by least squares.
-Models: oc3_spar_rigid in the wind of its hub, dtu10mw_spar_1_operating (2, 3) in effective winds; 13, 15, 18 m/s.
+Models: oc3_spar_rigid in the wind of its hub, dtu10mw_spar_1_operating (2, 3) in effective winds; 13, 15, 18 m/s, and
+11 m/s in the waves of EC1. `--both` leaves out the runs with one load linear, and `--set PATH=VALUE` adds another
+switch, in runs and response. Bounds are those of the mean of the seeds at 95 % (Student).
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from pages import markdown
+from scipy.stats import t as student
 
 import fowtlib as fw
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
@@ -27,7 +30,7 @@ from fowtlib.language import math as m
 from fowtlib.solving.starts import mean_parameters
 
 DISCARD, HOUR, STEP = 600.0, 3600.0, 0.2
-SEAS = {13.0: (3.3, 9.7), 15.0: (3.7, 9.9), 18.0: (4.4, 10.6)}  # the most probable: Hs [m], Tp [s]
+SEAS = {11.0: (6.9, 10.0), 13.0: (3.3, 9.7), 15.0: (3.7, 9.9), 18.0: (4.4, 10.6)}  # Hs [m], Tp [s]: EC1, most probable
 ROTORS = {"oc3_spar_rigid": ("turbine.rotor", "kaimal")} | {
     f"dtu10mw_spar_{k}_operating": ("rna.turbine.rotor", "ntm") for k in (1, 2, 3)
 }
@@ -108,11 +111,11 @@ def fitted(points: np.ndarray, loads: np.ndarray, filtered: bool) -> np.ndarray:
     return found
 
 
-def compare(name: str, speed: float, seeds: int, folder: Path) -> str:
-    """The table of one model in one wind."""
+def compare(name: str, speed: float, seeds: int, folder: Path, both: bool, further: Mapping[str, float]) -> str:
+    """The table of one model in one wind; with `both` without the runs that have one load linear."""
     where, kind = ROTORS[name]
     given = {"wind.kind": kind, "wind.turbulence_class": "B", "wind.mean_speed": speed, "sea.spectrum": "jonswap",
-             "sea.significant_wave_height": SEAS[speed][0], "sea.peak_period": SEAS[speed][1]}  # fmt: skip
+             "sea.significant_wave_height": SEAS[speed][0], "sea.peak_period": SEAS[speed][1], **further}  # fmt: skip
     plain = fw.load(name).compile()
     names = [n for n in RESULTS if n in plain.outputs]
     rotor = plain.root
@@ -123,14 +126,16 @@ def compare(name: str, speed: float, seeds: int, folder: Path) -> str:
     point = np.array([[float(mean[f"{where}.{n}"]) for n in ("relative_wind", "mean_wind", "w", "blade_pitch")]])
     value, at = loads(*point.T)[:, 0], slopes(loads, point)[:, :, 0]
     lines = {n: Line(float(value[k]), at[k], point[0]) for k, n in enumerate(LOADS)}
-    variants = {"as it is": {}, **{f"{n} linear": {n: lines[n]} for n in LOADS}, "both linear": lines}
+    single = {} if both else {f"{n} linear": {n: lines[n]} for n in LOADS}
+    variants: dict[str, Mapping[str, Line]] = {"as it is": {}, **single, "both linear": lines}
+    switched = "".join(f"_{path}={number:g}" for path, number in further.items())
     response, deviations, met = fw.response(plain, outputs=names, parameters=given), {}, []
     for label, chosen in variants.items():
         with linear(chosen):
             plant = fw.load(name).compile() if chosen else plain
         found = []
         for seed in range(1, seeds + 1):
-            path = folder / f"{name}_{speed:g}_{seed}_{label.replace(' ', '_')}.npz"
+            path = folder / f"{name}_{speed:g}{switched}_{seed}_{label.replace(' ', '_')}.npz"
             if not path.exists():
                 period = {f"{part}.repetition_period": DISCARD + HOUR for part in ("wind", "sea")}
                 more = period | {"wind.seed": seed, "sea.seed": seed + 50, "wind.sample_step": 0.1}
@@ -143,22 +148,31 @@ def compare(name: str, speed: float, seeds: int, folder: Path) -> str:
             with np.load(path) as data:
                 found.append(data["deviations"])
                 met += [data["seen"]] if label == "as it is" else []
-        deviations[label] = np.mean(found, axis=0)
-    wind, mean_wind, normal, w, pitch, *both = np.hstack(met)
+        deviations[label] = np.array(found)
+    wind, mean_wind, normal, w, pitch, *two = np.hstack(met)
     points = np.array([wind, mean_wind - (normal - wind), w, pitch]).T
     answers = {}
     for label, by in (
         ("slopes averaged", slopes(loads, points).mean(axis=2)),
-        ("slopes fitted", fitted(points, np.array(both), rotor.filtered)),
+        ("slopes fitted", fitted(points, np.array(two), rotor.filtered)),
     ):
-        with linear({n: Line(float(np.mean(both[k])), by[k], points.mean(axis=0)) for k, n in enumerate(LOADS)}):
+        with linear({n: Line(float(np.mean(two[k])), by[k], points.mean(axis=0)) for k, n in enumerate(LOADS)}):
             answers[label] = fw.response(fw.load(name).compile(), outputs=names, parameters=given)
     rows = []
     for k, n in enumerate(names):
-        cells = [response.std(n) / one[k] for one in deviations.values()]
-        cells += [one.std(n) / deviations["as it is"][k] for one in answers.values()]
-        rows.append((n, *(f"{cell:.2f}" for cell in cells)))
+        runs = {label: one[:, k] for label, one in deviations.items()}
+        pairs = [(response, one) for one in runs.values()] + [(one, runs["as it is"]) for one in answers.values()]
+        rows.append((n, *(ratio(one.std(n), stds) for one, stds in pairs)))
     return markdown((("result", *variants, *answers), rows))
+
+
+def ratio(deviation: float, stds: np.ndarray) -> str:
+    """A deviation over that of the mean of some runs, with the bound of this mean."""
+    found = deviation / stds.mean()
+    if len(stds) < 2:
+        return f"{found:.2f}"
+    half = float(student.ppf(0.975, len(stds) - 1) * stds.std(ddof=1) / np.sqrt(len(stds)))
+    return f"{found:.2f} +- {found * half / stds.mean():.2f}"
 
 
 def main() -> None:
@@ -167,11 +181,14 @@ def main() -> None:
     parser.add_argument("speed", type=float, choices=list(SEAS))
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--folder", type=Path, default=Path("output/linear_rotor"))
+    parser.add_argument("--both", action="store_true")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
     print(f"{given.model}, {given.speed:g} m/s, {given.seeds} seeds: response over runs\n")
-    print(compare(given.model, given.speed, given.seeds, given.folder))
+    further = {path: float(value) for path, _, value in (item.partition("=") for item in given.set)}
+    print(compare(given.model, given.speed, given.seeds, given.folder, given.both, further))
 
 
 if __name__ == "__main__":
