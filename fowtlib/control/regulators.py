@@ -21,7 +21,7 @@ from fowtlib.language.errors import ModelError
 from fowtlib.solving.linear import LinearModel
 
 if TYPE_CHECKING:
-    import xarray
+    from fowtlib.solving.labelled import LabelledMatrix
 
 UNREACHED = 1e-9  # relative: a direction of the state that no input reaches, or no weight sees
 
@@ -44,12 +44,11 @@ class Regulator:
     integrals: tuple[str, ...] = ()
 
     @property
-    def K(self) -> xarray.DataArray:
+    def K(self) -> LabelledMatrix:
         """The gain with its names."""
-        import xarray
+        from fowtlib.solving.labelled import labelled
 
-        coords = {"input": self.model.inputs, "state": self.model.states}
-        return xarray.DataArray(self.gain, dims=("input", "state"), coords=coords, name="K")
+        return labelled("K", self.gain, ("input", self.model.inputs), ("state", self.model.states))
 
     @property
     def state_gain(self) -> Matrix:

@@ -28,7 +28,7 @@ from fowtlib.solving.results.linear_files import OperatingPoint, write_lin
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
-    import xarray
+    from fowtlib.solving.labelled import LabelledMatrix
 
 
 Mixing = Callable[..., np.ndarray]
@@ -103,30 +103,28 @@ class LinearModel:
         """Where it is of; None for a model of matrices alone."""
         return None if self.point is None else self.point()
 
-    def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> xarray.DataArray:
-        import xarray
+    def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> LabelledMatrix:
+        from fowtlib.solving.labelled import labelled  # xarray takes long
 
-        return xarray.DataArray(
-            self.matrices[name], dims=(rows[0], columns[0]), coords=dict([rows, columns]), name=name
-        )
+        return labelled(name, self.matrices[name], rows, columns)
 
     @property
-    def A(self) -> xarray.DataArray:
+    def A(self) -> LabelledMatrix:
         """State matrix (rate of a state by a state)."""
         return self._labelled("A", ("rate", self.states), ("state", self.states))
 
     @property
-    def B(self) -> xarray.DataArray:
+    def B(self) -> LabelledMatrix:
         """Input matrix."""
         return self._labelled("B", ("rate", self.states), ("input", self.inputs))
 
     @property
-    def C(self) -> xarray.DataArray:
+    def C(self) -> LabelledMatrix:
         """Output matrix."""
         return self._labelled("C", ("output", self.outputs), ("state", self.states))
 
     @property
-    def D(self) -> xarray.DataArray:
+    def D(self) -> LabelledMatrix:
         """Feed-through matrix."""
         return self._labelled("D", ("output", self.outputs), ("input", self.inputs))
 
