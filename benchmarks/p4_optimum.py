@@ -26,6 +26,7 @@ from p4_design import buckling_walls, cost, measures
 from pages import markdown
 
 import fowtlib as fw
+from fowtlib.design import rules
 from fowtlib.design.evaluation import Evaluated
 from fowtlib.design.file import read_design
 
@@ -38,6 +39,7 @@ FEEDBACK = {
 }
 WATCHED = ("rotor_speed", "pitch", "blade_pitch_rate", "tower_base_moment", "tower_moment_node_5")
 RUN_IN = ("wind 17", "EC3")
+LINE = (1167483.0, 6732.4)  # what a line pulls down with at rest [N] and its growth with heave [N/m], as in the file
 
 
 def with_strategy(design: fw.Design, name: str) -> fw.Design:
@@ -82,6 +84,7 @@ def checked(design: fw.Design) -> dict[str, Any]:
     moment = {process: spar._response(state, gains).spectrum("tower_base_moment", process).std
               for process in ("sea", "wind")}  # fmt: skip
     found = row(spar, gains) | measures(given, np.array(given["hull_walls"], float))
+    found["heave"] = float(rules.spar_heave_period(given["hull_heights"], given["hull_diameters"], *LINE))
     return found | {"tower": spar.steel(spar.t), "tower cost": cost(spar, spar.t), "buckling": float(buckling.max()),
                     "moment by": moment, "label": label(gains)}  # fmt: skip
 
@@ -203,6 +206,8 @@ def main() -> None:
     def say(line: str) -> None:
         print(f"{time.perf_counter() - begun:7.0f} s {processor_time():6.0f} s  {line}", flush=True)
 
+    if (arguments.check or arguments.runs or arguments.draw) and not list(arguments.folder.glob("CS?.json")):
+        raise fw.ModelError(f"{arguments.folder} has no design such as CS1.json; benchmarks/p4_designs has four.")
     if arguments.check:
         check(read.design, arguments.folder)
     if arguments.runs:
