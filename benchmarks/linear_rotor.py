@@ -5,8 +5,8 @@ value and slopes of the table there, which leave the response as it is. Where ru
 and runs as they are do not, the loads of the rotor are the cause. Two more responses have slopes that know of the
 turbulence: the mean of the slopes over what the runs met, and those of the loads fitted to the runs by least squares.
 Models: oc3_spar_rigid in the wind of its hub, dtu10mw_spar_1_operating (2, 3) in effective winds; 13, 15, 18 m/s, and
-11 m/s in the waves of EC1. `--both` leaves out the runs with one load linear, and `--set PATH=VALUE` adds another
-switch, in runs and response. Bounds are those of the mean of the seeds at 95 % (Student).
+11 m/s in the waves of EC1. `--both` leaves out the runs with one load linear and the other slopes, and
+`--set PATH=VALUE` adds another switch, in runs and response. Bounds are those of the mean of the seeds at 95 %.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def fitted(points: np.ndarray, loads: np.ndarray, filtered: bool) -> np.ndarray:
 
 
 def compare(name: str, speed: float, seeds: int, folder: Path, both: bool, further: Mapping[str, float]) -> str:
-    """The table of one model in one wind; with `both` without the runs that have one load linear."""
+    """The table of one model in one wind; with `both` alone runs as they are and with both loads linear."""
     where, kind = ROTORS[name]
     given = {"wind.kind": kind, "wind.turbulence_class": "B", "wind.mean_speed": speed, "sea.spectrum": "jonswap",
              "sea.significant_wave_height": SEAS[speed][0], "sea.peak_period": SEAS[speed][1], **further}  # fmt: skip
@@ -130,6 +130,7 @@ def compare(name: str, speed: float, seeds: int, folder: Path, both: bool, furth
     variants: dict[str, Mapping[str, Line]] = {"as it is": {}, **single, "both linear": lines}
     switched = "".join(f"_{path}={number:g}" for path, number in further.items())
     response, deviations, met = fw.response(plain, outputs=names, parameters=given), {}, []
+    answers: dict[str, Any] = {}
     for label, chosen in variants.items():
         with linear(chosen):
             plant = fw.load(name).compile() if chosen else plain
@@ -149,21 +150,29 @@ def compare(name: str, speed: float, seeds: int, folder: Path, both: bool, furth
                 found.append(data["deviations"])
                 met += [data["seen"]] if label == "as it is" else []
         deviations[label] = np.array(found)
-    wind, mean_wind, normal, w, pitch, *two = np.hstack(met)
-    points = np.array([wind, mean_wind - (normal - wind), w, pitch]).T
-    answers = {}
-    for label, by in (
-        ("slopes averaged", slopes(loads, points).mean(axis=2)),
-        ("slopes fitted", fitted(points, np.array(two), rotor.filtered)),
-    ):
-        with linear({n: Line(float(np.mean(two[k])), by[k], points.mean(axis=0)) for k, n in enumerate(LOADS)}):
-            answers[label] = fw.response(fw.load(name).compile(), outputs=names, parameters=given)
+    if not both:
+        answers = by_other_slopes(name, given, names, loads, np.hstack(met), rotor.filtered)
     rows = []
     for k, n in enumerate(names):
         runs = {label: one[:, k] for label, one in deviations.items()}
         pairs = [(response, one) for one in runs.values()] + [(one, runs["as it is"]) for one in answers.values()]
         rows.append((n, *(ratio(one.std(n), stds) for one, stds in pairs)))
     return markdown((("result", *variants, *answers), rows))
+
+
+def by_other_slopes(
+    name: str, given: Mapping[str, Any], names: list[str], loads: Any, met: np.ndarray, filtered: bool
+) -> dict[str, Any]:
+    """Responses with slopes that know of the turbulence, by what the runs met."""
+    wind, mean_wind, normal, w, pitch, *two = met
+    points, answers = np.array([wind, mean_wind - (normal - wind), w, pitch]).T, {}
+    for label, by in (
+        ("slopes averaged", slopes(loads, points).mean(axis=2)),
+        ("slopes fitted", fitted(points, np.array(two), filtered)),
+    ):
+        with linear({n: Line(float(np.mean(two[k])), by[k], points.mean(axis=0)) for k, n in enumerate(LOADS)}):
+            answers[label] = fw.response(fw.load(name).compile(), outputs=names, parameters=given)
+    return answers
 
 
 def ratio(deviation: float, stds: np.ndarray) -> str:
