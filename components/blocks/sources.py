@@ -31,7 +31,7 @@ class Constant(Component):
 
     value: Array = param(doc="constant value")
 
-    y: RealOutput = port(shape=lambda self: self.shape(type(self).value), doc="output")
+    y: RealOutput = port(shape=lambda self: self.shape_of(type(self).value), doc="output")
 
     def equations(self):
         return [eq(self.y, self.value)]

@@ -68,6 +68,9 @@ def load(arguments: argparse.Namespace) -> Model:
             values |= chosen
             options |= dict.fromkeys(chosen, condition.option)
     chosen = settings(arguments.settings)
+    for path in chosen:
+        if path in values:
+            raise ParameterError(f"{options[path]} gives {path} already, and so does --set; leave one of them out.")
     values |= chosen
     options |= dict.fromkeys(chosen, "--set")
     arguments.options = options  # which option gave which parameter, for messages

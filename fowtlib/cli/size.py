@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.language.whole_files import write_text
+
+if TYPE_CHECKING:
+    from fowtlib.design.sizing import SizingStopped
 
 EXAMPLES = """FILE says which parameters of a model are free, within which bounds, and what
 the model shall do at rest (docs/sizing.md). As many values as sizes: its
@@ -37,11 +40,15 @@ def size(arguments: argparse.Namespace) -> int:
     """Read the file, find the sizes, and show them."""
     import json
 
+    from fowtlib.design.sizing import SizingStopped
     from fowtlib.design.sizing_file import read_sizing
 
     check_target(arguments.output, (".json",), arguments.force)
     file = read_sizing(arguments.file, load_model=lambda name: loading.load_file(arguments, name))
-    found = file.found()
+    try:
+        found = file.found()
+    except SizingStopped as stop:
+        return _stopped(stop)
     if arguments.form == "json":
         tables.show_json(found.plain())
     elif arguments.form == "csv":
@@ -55,3 +62,12 @@ def size(arguments: argparse.Namespace) -> int:
         write_text(arguments.output, json.dumps(found.plain(), indent=1))
     say_saved(arguments.output)
     return 0
+
+
+def _stopped(stop: SizingStopped) -> int:
+    """Say the sizes so far."""
+    values = ", ".join(f"{name} = {value:.6g} {stop.units[name]}".rstrip() for name, value in stop.values.items())
+    print(f"fowt size: stopped after {stop.tried} sizes. Nearest to the targets so far, which miss them by "
+          f"{stop.left:.3g} of their scales: {values}. A search with these as first guesses, the third numbers in "
+          "'free', goes on from there.", file=sys.stderr)  # fmt: skip
+    return 130

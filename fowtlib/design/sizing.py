@@ -39,6 +39,18 @@ class TargetsError(ModelError):
         self.against = tuple(against)
 
 
+class SizingStopped(KeyboardInterrupt):
+    """Ctrl-C during a search of sizes: those so far that come nearest to the targets, from which another may begin.
+
+    values [SI], units: by the names of the sizes; left: root of the sum of the squares of what the targets are missed
+    by, each over its scale; tried: number of sizes.
+    """
+
+    def __init__(self, values: Mapping[str, float], units: Mapping[str, str], left: float, tried: int):
+        super().__init__("search of sizes stopped")
+        self.values, self.units, self.left, self.tried = values, units, left, tried
+
+
 @dataclass(frozen=True, eq=False)
 class Sized:
     """Sizes that were found. parameters: of a run, in SI; results: of all outputs, in `units`; before: at the start.
@@ -101,7 +113,8 @@ def size(model: Any, free: Mapping[str, Any], targets: Mapping[str, Any], *,
     objective  what becomes least where the targets leave freedom; None: the change of the sizes, each over its range
 
     Raises TargetsError where no sizes within their bounds keep all targets, with those that are against each other;
-    ParameterError for a parameter that there is not, or is not tunable.
+    ParameterError for a parameter that there is not, or is not tunable. Ctrl-C raises SizingStopped, a
+    KeyboardInterrupt that has the nearest sizes so far.
     """
     return _Sizing(plant_of(model), free, targets, objective).found()
 
@@ -132,8 +145,21 @@ class _Sizing:
         self.bounds = dict(zip(free, zip(space.lower.tolist(), space.upper.tolist(), strict=True), strict=True))
         self.size_units = dict(zip(free, space.units, strict=True))
         self.objective = objective
+        self.nearest: tuple[float, np.ndarray] | None = None  # what all targets are missed by, squared, and the sizes
+        self.tried = 0
 
     def found(self) -> Sized:
+        """The sizes; SizingStopped where the search is interrupted after its first sizes."""
+        try:
+            return self._found()
+        except KeyboardInterrupt:
+            if self.nearest is None:
+                raise
+            square, sizes = self.nearest
+            values = dict(zip(self.starts, sizes.tolist(), strict=True))
+            raise SizingStopped(values, self.size_units, float(np.sqrt(square)), self.tried) from None
+
+    def _found(self) -> Sized:
         """The sizes, by equations where these decide them."""
         exact = [text.removeprefix("=").strip() for texts in self.targets.values() for text in texts if text[0] == "="]
         if len(exact) == len(self.targets) == len(self.variables) and self.objective is None:
@@ -185,9 +211,15 @@ class _Sizing:
 
         def missed(y: np.ndarray) -> np.ndarray:
             try:
-                return over(problem.g(y))
+                rest = over(problem.g(y))
             except ModelError:  # it does not float with these sizes
                 return np.full(len(names), NOWHERE)
+            if targets is self.targets:
+                self.tried += 1
+                square = float(rest @ rest)
+                if self.nearest is None or square < self.nearest[0]:
+                    self.nearest = square, problem.point(y).x
+            return rest
 
         def slopes(y: np.ndarray) -> np.ndarray:
             return problem.slopes(y)[1] * (over(problem.g(y)) != 0)[:, None]

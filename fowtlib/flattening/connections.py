@@ -119,7 +119,7 @@ class Connections:
             )
         if not a.is_signal and not a.field.annotation.sized:
             return
-        shapes = [node.component.shape(node.field) for node in (a, b)]
+        shapes = [node.component.shape_of(node.field) for node in (a, b)]
         if shapes[0] != shapes[1]:
             raise ConnectionFault(
                 f"{a.path} has shape {shapes[0]} and {b.path} has shape {shapes[1]}; they cannot be connected."
@@ -234,7 +234,7 @@ class Connections:
             raise ConnectionFault(f"two outputs drive one signal: {names}. Connect one of them, or add a Sum between.")
         first = drivers[0] if drivers else group[0]
         self._check_direction(group, first)
-        shape = _two(first.component.shape(first.field))
+        shape = _two(first.component.shape_of(first.field))
         symbol = ca.SX.sym(first.path, *shape)
         if drivers and issubclass(first.field.annotation, RealOutput):
             declared = _variable(first.field.unit, first.field.doc)
@@ -356,7 +356,7 @@ def _shape(node: PortNode, member: Member) -> tuple[int, ...]:
             f"{node.component.label}.{node.field.name}: a {node.field.annotation.__name__} as a port needs a shape, "
             'as port(shape="n_modes").'
         )
-    return node.component.shape(node.field)
+    return node.component.shape_of(node.field)
 
 
 def member_symbol(system: System, node: PortNode, name: str, member: Member, unknown: bool = True) -> ca.SX:

@@ -126,7 +126,7 @@ class _Sparing(Instances):
     def _port(self, component: Component, field: Port, index: int | None) -> Any:
         path = join(component.path, field.name if index is None else f"{field.name}[{index}]")
         if issubclass(field.annotation, Signal):
-            return ca.SX.sym(path, *two_dimensions(component.shape(field)))
+            return ca.SX.sym(path, *two_dimensions(component.shape_of(field)))
         connected = (id(component), field.name, index) in self._connected
         node = PortNode(0, 0, component, field, index, path, connected)
         members = field.annotation.members

@@ -96,7 +96,7 @@ class Instances:
             bound = component.parameter_value(name) if value is not None else None
         else:
             bound = self._evaluate(value) if expressions.is_expression(value) else None
-            shape = component.shape(declared)
+            shape = component.shape_of(declared)
             if isinstance(bound, ca.SX):
                 bound = ca.densify(ca.repmat(bound, *two_dimensions(shape)) if bound.is_scalar() else bound)
                 self._dependent(component, declared, bound)
@@ -178,7 +178,7 @@ class Instances:
         return binding
 
     def _variable(self, component: Component, declared: Variable) -> ca.SX:
-        path, shape = join(component.path, declared.name), component.shape(declared)
+        path, shape = join(component.path, declared.name), component.shape_of(declared)
         symbol = ca.SX.sym(path, *two_dimensions(shape))
         starts = self._start(component, declared, shape)
         given = any(component.is_set(parameter.name) for parameter in _parameters_in(declared.start))
@@ -319,7 +319,7 @@ def check_parameters(component: Component) -> None:
             allowed = ", ".join(map(str, declared.choices))
             raise ParameterError(f"{where} = {value!r} is not one of {allowed} ({declared.doc}).")
         if declared.annotation in SHAPES:
-            shape = component.shape(declared)
+            shape = component.shape_of(declared)
             if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
                 raise ParameterError(
                     f"{where} has shape {_shape(np.shape(value))}, and "

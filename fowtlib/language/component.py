@@ -41,6 +41,7 @@ from fowtlib.language.errors import (
 )
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
+from fowtlib.language.names_of_all import refuse_names_of_all
 from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.placing import placed
 from fowtlib.language.shapes import Drawing
@@ -92,6 +93,7 @@ class Component(Composite):
         super().__init_subclass__(**kwargs)
         _resolve_annotations(cls, sys._getframe(1).f_locals)
         fields = [item for base in reversed(cls.__mro__) for item in vars(base).items() if isinstance(item[1], Field)]
+        refuse_names_of_all(Component, cls, [name for name, _ in fields], sys._getframe(1))
         for field_class, table in _TABLES.items():
             setattr(cls, table, {name: value for name, value in fields if isinstance(value, field_class)})
         if selector:
@@ -395,7 +397,7 @@ class Component(Composite):
         size = self.parameter_value(field.size) if isinstance(field.size, str) else np.asarray(self.resolve(field.size))
         return self._counted(int(size), field)
 
-    def shape(self, field: Variable | Port | Parameter) -> tuple[int, ...]:
+    def shape_of(self, field: Variable | Port | Parameter) -> tuple[int, ...]:
         """Shape of a declared quantity, with structural parameters put in."""
         fixed = SHAPES.get(field.annotation) if not isinstance(field, Port) else ()
         shape = field.shape

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -57,12 +57,15 @@ class Key:
 class Kind:
     """What may follow the name of a kind: the key of a bare value behind the colon, and the keys.
 
-    either: keys of which one alone may be given, because each makes the others void.
+    either: sets of keys of which one alone may be given, because each makes the others void. counts: keys that do
+    something with some values of another key only: that key, these values, and the one that it has where it is not
+    given.
     """
 
     keys: Mapping[str, Key]
     bare: str = ""
-    either: tuple[str, ...] = ()
+    either: tuple[tuple[str, ...], ...] = ()
+    counts: Mapping[str, tuple[str, tuple[str, ...], str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -127,8 +130,14 @@ class Condition:
             if key in words:
                 raise ParameterError(f"{self.option}: '{key}' is given twice.")
             words[key] = word
-        if len([key for key in kind.either if key in words]) > 1:
-            raise ParameterError(f"{self.option}: '{name}' takes {one_of(kind.either)}, not both.")
+        for either in kind.either:
+            if len([key for key in either if key in words]) > 1:
+                raise ParameterError(f"{self.option}: '{name}' takes {one_of(either)}, not both.")
+        for key, (other, values, default) in kind.counts.items():
+            if key in words and (value := words.get(other, default)) not in values:
+                needed = " or ".join(f"{other}={item}" for item in values)
+                raise ParameterError(f"{self.option}: '{key}' of '{name}' does nothing with {other}={value}; leave it "
+                                     f"out, or give {needed}.")  # fmt: skip
         return words
 
 
@@ -174,11 +183,13 @@ _WIND_CLASS = {
 }  # fmt: skip
 _EVENT = {**_SPEED, "at": Key("start_time", "s"), **_CLASS, "diameter": Key("rotor_diameter", "m"), **_SHEAR}
 _SIGN = {"sign": Key("sign", "1")}
-_EITHER_REFERENCE = ("wind_class", "reference")
+_EITHER_REFERENCE = (("wind_class", "reference"),)
 _PERIOD = {"period": Key("return_period", "#")}
 _DIRECTION = {"direction": Key("direction", "deg")}
 _HEADING = {"heading": Key("heading", "deg"), "misalignment": Key("misalignment", "deg")}
-_AIM = ("heading", "misalignment")
+_AIM = (("heading", "misalignment"),)
+_OF_PERIOD = {"Hs50": ("period", ("50",), "50"), "Hs1": ("period", ("1",), "50")}
+_ONE_HEIGHT = (("Hs50", "Hs1"),)
 _HEIGHTS = {"Hs50": Key("height_50", "m"), "Hs1": Key("height_1", "m"), **_PERIOD}
 _IRREGULAR = {"gamma": Key("gamma"), "seed": Key("seed", "#"), "spreading": Key("spreading"), **_HEADING}
 
@@ -220,12 +231,12 @@ WIND = Condition(
                 **_SHEAR,
             },
             bare="speed",
-            either=("height", "class"),
+            either=(("height", "class"),),
         ),
         "kaimal": Kind(
             {**_SPEED, **_CLASS, "intensity": Key("turbulence_intensity"), "seed": Key("seed", "#"), **_SHEAR},
             bare="speed",
-            either=("class", "intensity"),
+            either=(("class", "intensity"),),
         ),
         "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
         "ntm": Kind(
@@ -260,7 +271,8 @@ WIND = Condition(
                 **_SHEAR,
             },
             bare="speed",
-            either=("class", "intensity"),
+            either=(("class", "intensity"), ("model", "intensity"), ("wind_class", "intensity")),
+            counts={"wind_class": ("model", ("etm",), "ntm"), "lateral": ("components", ("uvw", "uv", "uw"), "uvw")},
         ),
         "input": Kind({"speed": Key("mean_speed", "m/s"), **_SHEAR}, bare="speed"),
     },
@@ -292,10 +304,16 @@ WAVES = Condition(
                 "Tp": Key("peak_period", "s"),
                 **_IRREGULAR,
             },
-            either=_AIM,
+            either=(*_AIM, ("Hs", "wind")),
         ),
-        "ess": Kind({**_HEIGHTS, "Tp": Key("peak_period", "s"), "hours": Key("hours", "#"), **_IRREGULAR}, either=_AIM),
-        "ewh": Kind({**_HEIGHTS, "T": Key("wave_period", "s"), **_HEADING}, either=_AIM),
+        "ess": Kind(
+            {**_HEIGHTS, "Tp": Key("peak_period", "s"), "hours": Key("hours", "#"), **_IRREGULAR},
+            either=(*_AIM, *_ONE_HEIGHT),
+            counts=_OF_PERIOD,
+        ),
+        "ewh": Kind(
+            {**_HEIGHTS, "T": Key("wave_period", "s"), **_HEADING}, either=(*_AIM, *_ONE_HEIGHT), counts=_OF_PERIOD
+        ),
         "record": Kind(
             {
                 "file": Key("file", "path", required=True),

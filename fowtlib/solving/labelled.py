@@ -78,6 +78,6 @@ def _check_axes(items: Sequence[Any]) -> None:
     for one in named[1:]:
         if one.dims != named[0].dims:
             raise ModelError(
-                f"the axes {named[0].dims} and {one.dims} of labelled matrices are not the same, and xarray would match "
-                "them by name, not by place; take the numbers, np.asarray(...), or linear.matrices['A']."
+                f"the axes {named[0].dims} and {one.dims} are not the same, and xarray would match those of labelled "
+                "matrices by name, not by place; take the numbers, np.asarray(...), or linear.matrices['A']."
             )

@@ -36,6 +36,8 @@ def test_a_mode_has_a_number_from_one_on(capsys, number):
         ("--set platform.hull.mass=-3", "--set: platform.hull.mass = -3 kg is below its minimum 0 kg"),
         ("--set platform.hull.mas=3", "--set: platform.hull: RigidBody has no parameter 'mas'; did you mean 'mass'?"),
         ("--wind steady:8 --set wind.mean=3", "--set: wind: SteadyWind has no parameter 'mean'; did you mean"),
+        ("--wind steady:8 --set wind.mean_speed=9",
+         "--wind gives wind.mean_speed already, and so does --set; leave one of them out."),
         ("--wind steady:-3 --set sea.seed=3", "--wind: wind.mean_speed = -3 m/s is below its minimum 0 m/s"),
     ],
 )

@@ -8,7 +8,8 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.cli.app import main
-from fowtlib.design.sizing import TargetsError, size
+from fowtlib.design.problem import Problem
+from fowtlib.design.sizing import SizingStopped, TargetsError, size
 from fowtlib.design.sizing_file import read_sizing
 from fowtlib.design.standards import check_model
 from fowtlib.language.errors import ModelError
@@ -156,6 +157,35 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     Path("spar.yaml").write_text(FILE.replace("draft:", "draugt:"))
     assert main(["size", "spar.yaml"]) == 2
     assert "spar.yaml:8:" in capsys.readouterr().err
+
+
+def test_stopped_it_tells_the_nearest_sizes_so_far(spar, tmp_path, monkeypatch, capsys):
+    """Interrupted while the fourth sizes are tried, in Python and by the command."""
+    targets = {"draft": "62 m", "heave_period": ["> 27 s", "< 27.5 s"]}
+    g, tried = Problem.g, []
+
+    def counted(self, y):
+        tried.append(y)
+        if len(tried) == stop_at:
+            raise KeyboardInterrupt
+        return g(self, y)
+
+    monkeypatch.setattr(Problem, "g", counted)
+    stop_at = 4
+    with pytest.raises(SizingStopped) as stopped:
+        size(spar, TWO, targets)
+    found = stopped.value
+    assert set(found.values) == set(TWO) and 0 < found.tried < 4 and math.isfinite(found.left)
+    assert found.units["column_diameter"] == "m" and 10 <= found.values["column_diameter"] <= 25
+
+    tried.clear()
+    monkeypatch.chdir(tmp_path)
+    text = FILE.replace("heave_period: 27 s", "heave_period: ['> 27 s', '< 27.5 s']")
+    Path("spar.yaml").write_text(text)
+    assert main(["size", "spar.yaml"]) == 130
+    said = capsys.readouterr().err
+    assert "fowt size: stopped after" in said and f"column_diameter = {found.values['column_diameter']:.6g} m" in said
+    assert "Traceback" not in said
 
 
 def test_the_checker_takes_a_model():

@@ -162,7 +162,7 @@ NAMES_READ = ("instances", "samples", "torque")
 @pytest.mark.parametrize("version", VERSIONS)
 def test_ports_have_the_units_and_shapes_of_the_description(fmu, version):
     unit = FMU(file=fmu(version))
-    units = {name: (field.annotation, field.unit, unit.shape(field)) for name, field in unit.ports.items()}
+    units = {name: (field.annotation, field.unit, unit.shape_of(field)) for name, field in unit.ports.items()}
     expected = {
         "generator_speed": (RealInput, "rad/s", ()), "mode": (RealInput, "1", ()), "enabled": (RealInput, "1", ()),
         "pitch_1": (RealOutput, "rad", ()), "torque": (RealOutput, "N*m", ()), "mode_out": (RealOutput, "1", ()),

@@ -112,6 +112,18 @@ REGULAR = "regular:H=..,T=..[,heading=..][,misalignment=..]"
         (WIND, "ewm:50", "--wind: '50' should be key=value; write ewm:[wind_class=..][,reference=..][,period=..]"
          "[,seed=..][,direction=..]"),
         (WIND, "ewm:wind_class=I,reference=57", "--wind: 'ewm' takes 'wind_class' or 'reference', not both."),
+        (WAVES, "ess:Hs50=12,Hs1=9", "--waves: 'ess' takes 'Hs50' or 'Hs1', not both."),
+        (WAVES, "ewh:Hs50=12,Hs1=9,period=1", "--waves: 'ewh' takes 'Hs50' or 'Hs1', not both."),
+        (WAVES, "ess:Hs1=9", "--waves: 'Hs1' of 'ess' does nothing with period=50; leave it out, or give period=1."),
+        (WAVES, "ewh:Hs50=9,period=1",
+         "--waves: 'Hs50' of 'ewh' does nothing with period=1; leave it out, or give period=50."),
+        (WAVES, "sss:Hs=9,wind=20", "--waves: 'sss' takes 'Hs' or 'wind', not both."),
+        (WIND, "turbulence:9,intensity=0.1,model=etm", "--wind: 'turbulence' takes 'model' or 'intensity', not both."),
+        (WIND, "turbulence:9,wind_class=II",
+         "--wind: 'wind_class' of 'turbulence' does nothing with model=ntm; leave it out, or give model=etm."),
+        (WIND, "turbulence:9,components=u,lateral=iec",
+         "--wind: 'lateral' of 'turbulence' does nothing with components=u; leave it out, or give components=uvw or "
+         "components=uv or components=uw."),
         (WAVES, "ess:heading=10,misalignment=20", "--waves: 'ess' takes 'heading' or 'misalignment', not both."),
     ],
 )  # fmt: skip

@@ -180,6 +180,16 @@ def _force(spring, distance, given):
     return float(spring.secant(distance)) * distance
 
 
+def test_a_pile_in_clay_is_solved():
+    """The reaction of the soil balances the push; in clay of half the strength the head goes further."""
+    pushed = [
+        piled(PileInClay(**PILE, springs=10, hinges=10, shear_strength=c), (2e6, 0, 0)).equilibrium()
+        for c in (1e5, 5e4)
+    ]
+    assert pushed[0]["pile.mudline_fore_aft_moment"] == pytest.approx(2e6 * 2.0, rel=1e-3)
+    assert pushed[1]["pile.mudline_displacement"][0] > 1.5 * pushed[0]["pile.mudline_displacement"][0] > 0
+
+
 def test_a_mudline_off_the_pile_is_refused():
     with pytest.raises(ParameterError, match="mudline"):
         piled(PileInLinearSoil(**{**PILE, "mudline": -70.0}, lateral_stiffness=1e7), (0, 0, 0))
