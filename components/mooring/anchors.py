@@ -21,8 +21,8 @@ def ends_above_seabed(depth, anchor, fairlead):
 
 
 TOO_SHORT = (
-    "the line is too short: its ends are {apart} m apart and it is {length} m long, so that it is stretched by {strain} "
-    "of its length, more than its greatest_strain. Take a longer line, or move its anchor"
+    "the line is too short: its ends are {apart} m apart and it is {length} m long, so that it is stretched by "
+    "{strain} of its length, more than its greatest_strain. Take a longer line, or move its anchor"
 )
 
 
