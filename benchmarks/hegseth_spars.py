@@ -1,12 +1,16 @@
 """The spars of Hegseth and Bachynski (2019), and that of Hegseth et al. (2020): tables for docs/elastic_spars.md.
 
 `python benchmarks/hegseth_spars.py extremes`   the four 50-year states beside the printed ones and beside runs
-`python benchmarks/hegseth_spars.py runs`       deviations of spar 1 and of the optimised spar beside runs
-`python benchmarks/hegseth_spars.py life`       fatigue of spar 1 in 546 states, Dirlik beside rainflow of runs
+`python benchmarks/hegseth_spars.py runs`       deviations beside runs, of spars 1 and 2 and of the optimised spar
+`python benchmarks/hegseth_spars.py fatigue`    damage of an hour in five states, Dirlik beside rainflow of runs
+`python benchmarks/hegseth_spars.py life`       fatigue in 546 states, Dirlik beside rainflow of runs
 `python benchmarks/hegseth_spars.py shift`      fatigue of spar 2 with its bending of 1.85 s, and with that of 1.79 s
+`python benchmarks/hegseth_spars.py shapes`     a picture of the modes of the optimised spar, and their periods
 
 Runs are hours with a wind and a sea of their own (`--seeds 6`), after 600 s from the mean position. Bounds are those of
 the mean of the seeds at 95 % (Student). What runs gave is kept in `--folder`, so that a stopped benchmark goes on.
+`--spars 1,2` chooses the spars of runs, fatigue and life, `--cases 9,EC1` the states of runs, and `--set PATH=VALUE`
+switches off a cause there, in runs and response.
 """
 
 from __future__ import annotations
@@ -19,27 +23,33 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pages import markdown
 from scipy.stats import t as student
 
 import fowtlib as fw
 from fowtlib.analysis.fatigue import SNCurve, TubeSection, rainflow_cycles, sn_curve
 from fowtlib.analysis.spectra import power_spectrum
 from fowtlib.metocean import centre_bins, likely_states, site
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 MODE = np.exp(-1)  # quantile of the most probable largest value
-WALL = 0.038  # m, at the base of the tower of spar 1
-SECTION = TubeSection(8.3, WALL)
+BASE = {1: TubeSection(8.3, 0.038), 2: TubeSection(8.3, 0.057), 3: TubeSection(12.66, 0.061)}  # of the tower, m
 CURVES = {
-    "D, one slope of 3": SNCurve(3.0, 12.164, thickness_exponent=0.2).with_thickness(WALL),
-    "D, two slopes": sn_curve("D", thickness=WALL),
+    spar: {
+        "D, one slope of 3": SNCurve(3.0, 12.164, thickness_exponent=0.2).with_thickness(section.wall_thickness),
+        "D, two slopes": sn_curve("D", thickness=section.wall_thickness),
+    }
+    for spar, section in BASE.items()
 }
 FAST = 0.3  # Hz, between the waves and what the blades do in passing the tower
+SHAPES = {"surge": 147.6, "pitch": 34.0, "first bending": 1.31, "second bending": 0.4}  # s, about
 FEATHERED = 61.0  # N/(m/s)^2, drag of the idling rotor, by dtu10mw_land in 50 m/s: 152.4 kN
 OF_50_YEARS = {  # mean wind speed [m/s], significant wave height [m], peak period [s]
     "EC1": (11.0, 6.9, 10.0), "EC2": (25.0, 10.3, 12.5), "EC3": (36.0, 12.9, 14.0), "EC4": (50.0, 15.1, 16.0),
 }  # fmt: skip
-LIKELY = {"9": (9.0, 2.5, 9.3), "15": (15.0, 3.7, 9.9), "21": (21.0, 5.0, 10.6), "storm": (50.0, 15.1, 16.0)}
+LIKELY = {"9": (9.0, 2.5, 9.3), "13": (13.0, 3.3, 9.7), "15": (15.0, 3.7, 9.9), "21": (21.0, 5.0, 10.6)}
+RESULTS = ("surge", "heave", "pitch", "rotor_speed", "blade_pitch", "thrust", "tower_base_moment", "upwind_tension")
 # mean, deviation and extreme of an hour, printed in tables 6 to 11 for EC1 to EC4: nonlinear runs and frequency domain
 PRINTED = {
     (1, "tower_base_moment"): (
@@ -91,32 +101,34 @@ def plant_of(spar: int, speed: float, tower_drag: bool = False) -> tuple[str, An
 
 
 def hours(
-    folder: Path, spar: int, state: tuple[float, float, float], seeds: int, tower_drag: bool = False
+    folder: Path, spar: int, state: tuple[float, float, float], seeds: int, tower_drag: bool = False,
+    further: dict[str, float] | None = None,
 ) -> list[dict[str, Any]]:
     """Of so many seeds at least: (mean, deviation, largest) of each result, and the damage of the tower's base."""
     name, plant = plant_of(spar, state[0], tower_drag)
     found: list[dict[str, Any]] = []
+    label = "".join(f"_{path}={value:g}" for path, value in (further or {}).items())
     while True:
         seed = len(found) + 1
-        path = folder / f"{name}_{state[0]:g}_{state[1]:g}_{state[2]:g}_{seed}.json"
+        path = folder / f"{name}_{state[0]:g}_{state[1]:g}_{state[2]:g}{label}_{seed}.json"
         if not path.exists():
             if seed > seeds:
                 return found
             period = {f"{part}.repetition_period": DISCARD + HOUR for part in ("wind", "sea")}
-            given = weather(*state) | period | {"wind.seed": seed, "sea.seed": seed + 50, "wind.sample_step": STEP}
+            seeded = period | {"wind.seed": seed, "sea.seed": seed + 50, "wind.sample_step": STEP}
+            given = weather(*state) | (further or {}) | seeded
             run = plant.simulate(DISCARD + HOUR, STEP, start="turning", solver="fixed", parameters=given)
-            path.write_text(json.dumps(numbers(run)))
+            path.write_text(json.dumps(numbers(run, spar)))
         found.append(json.loads(path.read_text()))
 
 
-def numbers(run: Any) -> dict[str, Any]:
+def numbers(run: Any, spar: int) -> dict[str, Any]:
     """What is kept of a run."""
     kept = run.time >= DISCARD
-    names = [n for n in ("surge", "pitch", "rotor_speed", "tower_base_moment", "upwind_tension") if n in run.names]
-    values = {name: np.asarray(run[name].values)[kept] for name in names}
-    stress = values["tower_base_moment"] * 1e6 * SECTION.bending
+    values = {name: np.asarray(run[name].values)[kept] for name in RESULTS if name in run.names}
+    stress = values["tower_base_moment"] * 1e6 * BASE[spar].bending
     cycles = rainflow_cycles((run.time[kept], stress))
-    damage = {name: float(curve.damage(cycles)) for name, curve in CURVES.items()}
+    damage = {name: float(curve.damage(cycles)) for name, curve in CURVES[spar].items()}
     fast = float(np.sqrt(power_spectrum((run.time[kept], values["tower_base_moment"]), segment=600.0).moment(0, FAST)))
     return {n: [float(v.mean()), float(v.std()), float(v.max())] for n, v in values.items()} | {
         "damage": damage, "fast": fast,
@@ -171,83 +183,111 @@ def gumbel_mode(values: np.ndarray) -> float:
     return float(values.mean() - 0.5772 * np.sqrt(6) / np.pi * values.std(ddof=1))
 
 
-def beside_runs(folder: Path, seeds: int) -> None:
-    """Deviations of responses over those of runs."""
+def beside_runs(folder: Path, seeds: int, spars: list[int], chosen: list[str], further: dict[str, float]) -> None:
+    """Means and deviations of responses and runs, and the table of ratios."""
     print("| result | mean, response | runs | deviation, response | runs | ratio |")
     print("| --- | --- | --- | --- | --- | --- |")
-    for spar in (1, 3):
-        for case, state in LIKELY.items():
+    cases, rows = {name: (LIKELY | OF_50_YEARS)[name] for name in chosen}, []
+    for spar in spars:
+        for case, state in cases.items():
             plant = plant_of(spar, state[0])[1]
-            names = [n for n in ("surge", "pitch", "rotor_speed", "tower_base_moment", "upwind_tension")
-                     if n in plant.outputs]  # fmt: skip
-            one, runs = fw.response(plant, outputs=names, parameters=weather(*state)), hours(folder, spar, state, seeds)
+            names = [n for n in RESULTS if n in plant.outputs]
+            one = fw.response(plant, outputs=names, parameters=weather(*state) | further)
+            runs, ratios = hours(folder, spar, state, seeds, further=further), {}
             for name in names:
                 means, stds, _ = np.array([run[name] for run in runs]).T
                 ratio = one.std(name) / stds.mean()
-                print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | {one.mean_of(name):.4g} | "
-                      f"{means.mean():.4g} | {one.std(name):.4g} | {stds.mean():.4g} | {ratio:.2f} +- "
-                      f"{ratio * bound(stds) / stds.mean():.2f} |", flush=True)  # fmt: skip
+                ratios[name] = f"{ratio:.2f} +- {ratio * bound(stds) / stds.mean():.2f}"
+                print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | {one.mean_of(name):.4g} | {means.mean():.4g}"
+                      f" | {one.std(name):.4g} | {stds.mean():.4g} | {ratios[name]} |", flush=True)  # fmt: skip
+            rows.append((f"spar {spar}, {case}", len(runs), *(ratios.get(name, "") for name in RESULTS)))
+    print("\n" + markdown((("response over runs", "seeds", *RESULTS), rows)))
 
 
-def life(folder: Path, seeds: int) -> None:
-    """Damage of 20 years at the tower's base of spar 1, and in the state of each wind that does most of it."""
+def fatigue(folder: Path, seeds: int, spars: list[int]) -> None:
+    """Damage of an hour at the tower's base in five states, of the likely seas and of EC1."""
+    head("state")
+    for spar in spars:
+        for state in (LIKELY["9"], OF_50_YEARS["EC1"], LIKELY["13"], LIKELY["15"], LIKELY["21"]):
+            one = fw.response(plant_of(spar, state[0])[1], outputs=["tower_base_moment"], parameters=weather(*state))
+            damages(one, spar, state, hours(folder, spar, state, seeds))
+
+
+def head(first: str) -> None:
+    """Head of a table of damages."""
+    print(f"\n| {first} | seeds | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
+    print("| --- " * 7 + "|")
+
+
+def damages(one: Any, spar: int, state: tuple[float, float, float], runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """Print the damage of an hour by each curve; Dirlik over runs, bound of that, inverse FFT over Dirlik."""
+    found = {}
+    for name, curve in CURVES[spar].items():
+        dirlik, counted = (one.damage("tower_base_moment", curve, BASE[spar], method=method)
+                           for method in ("dirlik", "rainflow"))  # fmt: skip
+        values = np.array([run["damage"][name] for run in runs])
+        ratio, scatter = dirlik / values.mean(), bound(values) / values.mean()
+        found[name] = ratio, scatter, counted / dirlik
+        words = f"spar {spar}, {state[0]:g} m/s, {state[1]:g} m, {state[2]:g} s | {len(runs)} | {name} | {dirlik:.3e}"
+        print(f"| {words} | {counted:.3e} | {values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f} |", flush=True)
+    return found
+
+
+def life(folder: Path, seeds: int, spars: list[int]) -> None:
+    """Damage of 20 years at the tower's base, and in the state of each wind that does most of it."""
     joint = site("northern_north_sea").at(119)
     every = centre_bins(joint, np.arange(5, 26, 2), np.arange(0.5, 16), np.arange(0.5, 25), jacobian=False)
-    begin = time.process_time()
-    found = fw.responses(plant_of(1, 15.0)[1], every, outputs=["tower_base_moment"])
-    spent = time.process_time() - begin
-    print(f"{len(found)} states, {1e3 * spent / len(found):.0f} ms each (processor time)\n")
-    for name, curve in CURVES.items():
-        values = [found.damage("tower_base_moment", curve, SECTION, missing=1.0, method=method)
-                  for method in ("dirlik", "tovo_benasciutti", "narrow_band")]  # fmt: skip
-        print(f"{name}: damage in 20 years {values[0]:.4g} (Dirlik), {values[1]:.4g} (Tovo and Benasciutti), "
-              f"{values[2]:.4g} (narrow band)")  # fmt: skip
-    where(found)
-    print("\n| state | seeds | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
-    print("| --- " * 7 + "|")
-    speeds = np.array([row["wind.mean_speed"] for row in found.states])
-    shares = {name: found.of_each(lambda one, c=curve: one.damage("tower_base_moment", c, SECTION)) * found.probability
-              for name, curve in CURVES.items()}  # fmt: skip
-    sums = {name: np.zeros(4) for name in CURVES}  # linear, by runs, its variance, counted in series
-    for speed in np.unique(speeds):
-        number = int(np.nanargmax(np.where(speeds == speed, shares["D, one slope of 3"], -1.0)))
-        row, one = found.states[number], found.found[number]
-        state = (float(speed), float(row["sea.significant_wave_height"]), float(row["sea.peak_period"]))
-        runs = hours(folder, 1, state, seeds)
-        for name, curve in CURVES.items():
-            dirlik, counted = (one.damage("tower_base_moment", curve, SECTION, method=method)
-                               for method in ("dirlik", "rainflow"))  # fmt: skip
-            values = np.array([run["damage"][name] for run in runs])
-            ratio, scatter = dirlik / values.mean(), bound(values) / values.mean()
-            share = np.nansum(shares[name][speeds == speed])
-            sums[name] += share * np.array([1.0, 1 / ratio, share * (scatter / ratio) ** 2, counted / dirlik])
-            words = f"{speed:g} m/s, {state[1]:g} m, {state[2]:g} s | {len(runs)} | {name} | {dirlik:.3e}"
-            numbers_of_runs = f"{counted:.3e} | {values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f}"
-            print(f"| {words} | {numbers_of_runs} |", flush=True)
-    for name, (linear, run, variance, counted) in sums.items():
-        print(f"\n{name}: all states over runs, each wind by the ratio of its state: {linear / run:.3f} +- "
-              f"{linear / run**2 * np.sqrt(variance):.3f} (Dirlik), {counted / run:.3f} (inverse FFT)")  # fmt: skip
+    for spar in spars:
+        begin = time.process_time()
+        found = fw.responses(plant_of(spar, 15.0)[1], every, outputs=["tower_base_moment"])
+        spent = time.process_time() - begin
+        print(f"\nspar {spar}: {len(found)} states, {1e3 * spent / len(found):.0f} ms each (processor time)\n")
+        for name, curve in CURVES[spar].items():
+            values = [found.damage("tower_base_moment", curve, BASE[spar], missing=1.0, method=method)
+                      for method in ("dirlik", "tovo_benasciutti", "narrow_band")]  # fmt: skip
+            print(f"{name}: damage in 20 years {values[0]:.4g} (Dirlik), {values[1]:.4g} (Tovo and Benasciutti), "
+                  f"{values[2]:.4g} (narrow band)")  # fmt: skip
+        where(found, spar)
+        head("state that does most of each wind")
+        speeds = np.array([row["wind.mean_speed"] for row in found.states])
+        shares = shares_of(found, spar)
+        sums = {name: np.zeros(4) for name in shares}  # linear, by runs, its variance, counted in series
+        for speed in np.unique(speeds):
+            number = int(np.nanargmax(np.where(speeds == speed, shares["D, one slope of 3"], -1.0)))
+            row, one = found.states[number], found.found[number]
+            state = (float(speed), float(row["sea.significant_wave_height"]), float(row["sea.peak_period"]))
+            for name, (ratio, scatter, counted) in damages(one, spar, state, hours(folder, spar, state, seeds)).items():
+                share = np.nansum(shares[name][speeds == speed])
+                sums[name] += share * np.array([1.0, 1 / ratio, share * (scatter / ratio) ** 2, counted])
+        for name, (linear, run, variance, counted) in sums.items():
+            print(f"\n{name}: all states over runs, each wind by the ratio of its state: {linear / run:.3f} +- "
+                  f"{linear / run**2 * np.sqrt(variance):.3f} (Dirlik), {counted / run:.3f} (inverse FFT)")  # fmt: skip
 
 
-def where(found: Any) -> None:
+def shares_of(found: Any, spar: int) -> dict[str, np.ndarray]:
+    """Damage of an hour in each state times its probability, by each curve."""
+    return {name: found.of_each(lambda one, c=curve: one.damage("tower_base_moment", c, BASE[spar])) * found.probability
+            for name, curve in CURVES[spar].items()}  # fmt: skip
+
+
+def where(found: Any, spar: int) -> None:
     """Which winds do the damage, and in which of them deviations reach over corners of control laws."""
     speeds = np.array([row["wind.mean_speed"] for row in found.states])
-    shares = [found.of_each(lambda one, c=curve: one.damage("tower_base_moment", c, SECTION)) * found.probability
-              for curve in CURVES.values()]  # fmt: skip
+    shares = shares_of(found, spar)
     over = np.array([max((corner.probability for corner in one.corners), default=0.0) if one is not None else np.nan
                      for one in found])  # fmt: skip
-    print("\n| wind [m/s] | states | probability | " + " | ".join(f"damage, {name}" for name in CURVES) +
-          " | over corners, states | time at most |\n" + "| --- " * (5 + len(CURVES)) + "|")  # fmt: skip
+    print("\n| wind [m/s] | states | probability | " + " | ".join(f"damage, {name}" for name in shares) +
+          " | over corners, states | time at most |\n" + "| --- " * (5 + len(shares)) + "|")  # fmt: skip
     for speed in np.unique(speeds):
         at = speeds == speed
-        parts = " | ".join(f"{100 * np.nansum(share[at]) / np.nansum(share):.1f} %" for share in shares)
+        parts = " | ".join(f"{100 * np.nansum(share[at]) / np.nansum(share):.1f} %" for share in shares.values())
         print(f"| {speed:g} | {at.sum()} | {100 * found.probability[at].sum():.1f} % | {parts} | "
               f"{np.sum(over[at] > 0)} | {100 * np.nanmax(over[at]):.0f} % |", flush=True)  # fmt: skip
 
 
 def shift(folder: Path, seeds: int) -> None:
     """Damage of spar 2 and of the same with its bending as much faster as 1.79 s is than 1.85 s, in likely seas."""
-    plant, curve = plant_of(2, 15.0)[1], CURVES["D, one slope of 3"]
+    plant, curve = plant_of(2, 15.0)[1], CURVES[2]["D, one slope of 3"]
     asked = {"outputs": ["tower_base_moment", "rotor_speed"]}
     print(f"| state | bending [s] | 3P [s] | deviation beyond {FAST} Hz [MN m] | faster | damage, an hour | ratio |")
     print("| --- " * 7 + "|")
@@ -261,7 +301,7 @@ def shift(folder: Path, seeds: int) -> None:
                       key=lambda found: abs(found - 1.85))  # fore and aft; sideways it is another  # fmt: skip
         change = {f"{bending:.4f} s": f"{bending * 1.79 / 1.85:.4f} s"}
         both = own, fw.response(plant, parameters=given, shifted=change, **asked)
-        damage = np.array([one.damage("tower_base_moment", curve, SECTION) for one in both])
+        damage = np.array([one.damage("tower_base_moment", curve, BASE[2]) for one in both])
         fast = [np.sqrt(one["tower_base_moment"].moment(0, FAST)) for one in both]
         sums += probability * damage
         passing = 20 / own.mean_of("rotor_speed")
@@ -278,15 +318,53 @@ def shift(folder: Path, seeds: int) -> None:
                   f"ratio {ours / mean:.2f} +- {ours / mean**2 * bound(np.array(found)):.2f}")  # fmt: skip
 
 
+def shapes(folder: Path, seeds: int) -> None:
+    """How far the axis of hull and tower moves along the waves in each mode, over the height, 1 at the farthest."""
+    plant = fw.load("dtu10mw_spar_3").compile()
+    state = plant.equilibrium(parameters={"sea.spectrum": "still"})
+    frames = [f"{beam}.hinge_{k}.frame_b" for beam in ("hull", "tower.beam")
+              for k in range(1, int(plant.root.find(beam).hinges) + 1)]  # fmt: skip
+    frames = ["hull.frame_a", *frames, "tower.frame_b"]
+    heights = np.array([float(np.squeeze(state[f"{frame}.r[2]"])) for frame in frames])
+    linear = plant.linearize(state, outputs=[f"{frame}.r[{axis}]" for axis in (0, 1) for frame in frames])
+    roots, vectors = np.linalg.eig(linear.matrices["A"])
+    moved, across = np.split(linear.matrices["C"] @ vectors, 2)
+    order, along = np.argsort(heights), np.abs(moved).max(axis=0) > np.abs(across).max(axis=0)
+    periods = 2 * np.pi / np.maximum(np.abs(roots), 1e-9)
+    with drawing_style():
+        figure = drawing(9.0, 4.6)
+        axes = figure.subplots(1, len(SHAPES), sharey=True)
+        for axis, (name, period) in zip(axes, SHAPES.items(), strict=True):
+            k = min(np.flatnonzero((roots.imag > 0) & along), key=lambda k: abs(np.log(periods[k] / period)))
+            shape = moved[:, k] / moved[np.abs(moved[:, k]).argmax(), k]
+            print(f"{name}: {periods[k]:.4g} s; out of phase {np.abs(shape.imag).max():.3f}")
+            axis.axvline(0.0, color=INK, lw=0.6)
+            axis.axhline(0.0, color=COLORS[0], lw=0.8, ls="--")
+            axis.plot(shape.real[order], heights[order], color=COLORS[1], marker="o", ms=2.5)
+            axis.set(title=f"{name}, {periods[k]:.3g} s", xlabel="displacement [1]", xlim=(-1.15, 1.15))
+        axes[0].set_ylabel("height above the still water level [m]")
+    print(save_figure(figure, folder / "spar_mode_shapes.png"))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=["extremes", "runs", "life", "shift"])
+    parser.add_argument("study", choices=["extremes", "runs", "fatigue", "life", "shift", "shapes"])
     parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--spars", default="1,2,3", help="of runs, fatigue and life")
+    parser.add_argument("--cases", default="9,15,21,EC1,EC4", help=f"of runs: {', '.join(LIKELY | OF_50_YEARS)}")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="of runs")
     parser.add_argument("--folder", type=Path, default=Path("output/hegseth_spars"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
-    {"extremes": extremes, "runs": beside_runs, "life": life, "shift": shift}[given.study](given.folder, given.seeds)
+    study, spars = (given.folder, given.seeds), [int(text) for text in given.spars.split(",")]
+    if given.study == "runs":
+        further = {path: float(value) for path, _, value in (item.partition("=") for item in given.set)}
+        beside_runs(*study, spars, given.cases.split(","), further)
+    elif given.study in ("fatigue", "life"):
+        {"fatigue": fatigue, "life": life}[given.study](*study, spars)
+    else:
+        {"extremes": extremes, "shift": shift, "shapes": shapes}[given.study](*study)
 
 
 if __name__ == "__main__":

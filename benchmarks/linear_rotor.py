@@ -4,7 +4,7 @@ Hours of a model with a rotor of coefficients, as it is, and with its thrust, it
 value and slopes of the table there, which leave the response as it is. Where runs with both agree with the response,
 and runs as they are do not, the loads of the rotor are the cause. Two more responses have slopes that know of the
 turbulence: the mean of the slopes over what the runs met, and those of the loads fitted to the runs by least squares.
-Models: oc3_spar_rigid in the wind of its hub, dtu10mw_spar_1_operating in effective winds; wind speeds 13, 15, 18 m/s.
+Models: oc3_spar_rigid in the wind of its hub, dtu10mw_spar_1_operating (2, 3) in effective winds; 13, 15, 18 m/s.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ from fowtlib.solving.starts import mean_parameters
 
 DISCARD, HOUR, STEP = 600.0, 3600.0, 0.2
 SEAS = {13.0: (3.3, 9.7), 15.0: (3.7, 9.9), 18.0: (4.4, 10.6)}  # the most probable: Hs [m], Tp [s]
-ROTORS = {"oc3_spar_rigid": ("turbine.rotor", "kaimal"), "dtu10mw_spar_1_operating": ("rna.turbine.rotor", "ntm")}
+ROTORS = {"oc3_spar_rigid": ("turbine.rotor", "kaimal")} | {
+    f"dtu10mw_spar_{k}_operating": ("rna.turbine.rotor", "ntm") for k in (1, 2, 3)
+}
 RESULTS = ("surge", "pitch", "rotor_speed", "blade_pitch", "thrust", "tower_base_moment", "fairlead_tension_2",
            "upwind_tension")  # fmt: skip
 STEPS = np.array([0.05, 0.05, 0.003, 0.002])  # of wind, wind of the tip speed ratio, rotor speed, pitch; SI

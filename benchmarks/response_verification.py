@@ -3,7 +3,8 @@
 Six seeds of an hour of wind field and waves in three states of operation and in a storm with the rotor idling. The
 statistics of a run are kept in `--folder` as soon as it ends, so that a stopped benchmark goes on where it was. Bounds
 are those of the mean of the seeds at 95 % (Student). `--states 8,12` takes some states, `--set PATH=VALUE` switches off
-what is said to be the cause of a difference.
+what is said to be the cause of a difference, in runs and response, and `--varying-speed` gives the response its option.
+A switched state has a table of what this closes of the gap: the share of `ratio - 1` of the same seeds as they are.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pages import markdown
 from scipy.stats import t as student
 
 import fowtlib as fw
@@ -37,8 +39,8 @@ OUTPUTS = (
 )  # fmt: skip
 
 
-def weather(state: str) -> dict[str, Any]:
-    """Parameters of a state, without seeds."""
+def weather(state: str, further: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Parameters of a state, without seeds; an intensity of the turbulence takes the place of its class."""
     speed, height, period = STATES[state]
     whole = LENGTH + DISCARD
     given = {
@@ -46,12 +48,14 @@ def weather(state: str) -> dict[str, Any]:
         "wind.repetition_period": whole, "sea.spectrum": "jonswap", "sea.significant_wave_height": height,
         "sea.peak_period": period, "sea.repetition_period": whole,
     }  # fmt: skip
-    return given | ({"*.safety.idling": 1} if state == "storm" else {})
+    if "wind.turbulence_intensity" in (further or {}):
+        del given["wind.turbulence_class"]
+    return given | ({"*.safety.idling": 1} if state == "storm" else {}) | (further or {})
 
 
 def statistics(plant: Any, names: list[str], state: str, seed: int, further: dict[str, Any]) -> dict[str, Any]:
     """Mean and standard deviation of each output in one run."""
-    parameters = weather(state) | {"wind.seed": seed, "sea.seed": seed + 50} | further
+    parameters = weather(state, further) | {"wind.seed": seed, "sea.seed": seed + 50}
     start = "rest" if state == "storm" else "turning"
     run = plant.simulate(LENGTH + DISCARD, STEP, parameters=parameters, solver="fixed", start=start)
     kept = run.time >= DISCARD
@@ -67,22 +71,49 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("output/response_verification"))
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--linearisation", choices=("tangent", "equivalent", "quadratic"), default="tangent")
+    parser.add_argument("--varying-speed", action="store_true")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
     further = {path: _value(text) for path, _, text in (item.partition("=") for item in given.set)}
     label = hashlib.sha256(json.dumps(further, sort_keys=True).encode()).hexdigest()[:6] if further else "as_is"
+    options: dict[str, Any] = {"linearisation": given.linearisation, "varying_speed": given.varying_speed}
     for model in given.models:
         plant = fw.load(model).compile()
-        names = [name for wanted in OUTPUTS for name in (wanted, f"{wanted}_left") if name in plant.outputs]
+        names = results_of(plant)
+        columns: dict[str, dict[str, str]] = {}
         for state in given.states.split(","):
-            runs = []
-            for seed in range(1, given.seeds + 1):
-                path = given.folder / f"{model}_{state}_{seed}_{label}.json"
-                if not path.exists():
-                    path.write_text(json.dumps(statistics(plant, names, state, seed, further)))
-                runs.append(json.loads(path.read_text()))
-            table(plant, model, state, names, runs, weather(state) | further, given.linearisation)
+            runs = hours(given.folder, plant, model, state, given.seeds, further, label)
+            try:
+                found = fw.response(plant, outputs=names, parameters=weather(state, further), **options)
+                columns[state] = table(f"{model}, {state}", names, found, runs)
+                if further or given.varying_speed:
+                    plain = fw.response(plant, outputs=names, parameters=weather(state))
+                    before = hours(given.folder, plant, model, state, given.seeds, {}, "as_is")
+                    closed(f"{model}, {state}", names, (plain, before), (found, runs))
+            except SimulationError as error:
+                print(f"\n{model}, {state}: {error}", flush=True)
+        rows = [(name, *(column[name] for column in columns.values())) for name in names]
+        print(f"\n{model}, standard deviations, response over runs\n")
+        print(markdown((("result", *columns), rows)), flush=True)
+
+
+def hours(
+    folder: Path, plant: Any, model: str, state: str, seeds: int, further: dict[str, Any], label: str
+) -> list[dict[str, Any]]:
+    """Statistics of the runs of one state: those that are kept, and the others made now."""
+    found = []
+    for seed in range(1, seeds + 1):
+        path = folder / f"{model}_{state}_{seed}_{label}.json"
+        if not path.exists():
+            path.write_text(json.dumps(statistics(plant, results_of(plant), state, seed, further)))
+        found.append(json.loads(path.read_text()))
+    return found
+
+
+def results_of(plant: Any) -> list[str]:
+    """Results that are kept: those of OUTPUTS, of the left rotor where there are two."""
+    return [name for wanted in OUTPUTS for name in (wanted, f"{wanted}_left") if name in plant.outputs]
 
 
 def _value(text: str) -> float | str:
@@ -93,24 +124,38 @@ def _value(text: str) -> float | str:
         return text
 
 
-def table(plant: Any, model: str, state: str, names: list[str], runs: list[dict[str, Any]],
-          parameters: dict[str, Any], linearisation: str) -> None:  # fmt: skip
-    """Print response and runs of one state; where there is no response, why."""
-    try:
-        found = fw.response(plant, outputs=names, parameters=parameters, linearisation=linearisation)
-    except SimulationError as error:
-        print(f"\n{model}, {state}: {error}", flush=True)
-        return
-    bound = student.ppf(0.975, len(runs) - 1) / np.sqrt(len(runs)) if len(runs) > 1 else np.nan
-    print(f"\n{model}, {state}: {len(runs)} seeds of {LENGTH:g} s\n")
+def table(title: str, names: list[str], found: Any, runs: list[dict[str, Any]]) -> dict[str, str]:
+    """Print response and runs of one state, and give the ratios with their bounds."""
+    print(f"\n{title}: {len(runs)} seeds of {LENGTH:g} s\n")
     print("| result | mean, response | runs | standard deviation, response | runs | ratio |")
     print("| --- | --- | --- | --- | --- | --- |")
+    ratios = {}
     for k, name in enumerate(names):
         means, stds = np.array([run[name] for run in runs]).T
-        mean, std = stds.mean(), (stds.std(ddof=1) if len(runs) > 1 else np.nan)
-        ratio = f"{found.std(name) / mean:.2f} +- {found.std(name) / mean * bound * std / mean:.2f}" if mean else "-"
+        mean = stds.mean()
+        ratios[name] = f"{found.std(name) / mean:.2f} +- {found.std(name) / mean**2 * bound(stds):.2f}" if mean else "-"
         print(f"| {name} [{found.units[k]}] | {found.mean[k]:.4g} | {means.mean():.4g} | {found.std(name):.4g} | "
-              f"{mean:.4g} | {ratio} |", flush=True)  # fmt: skip
+              f"{mean:.4g} | {ratios[name]} |", flush=True)  # fmt: skip
+    return ratios
+
+
+def bound(values: np.ndarray) -> float:
+    """Half of the range of 95 % of the mean of the values."""
+    if len(values) < 2:
+        return np.nan
+    return float(student.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values)))
+
+
+def closed(title: str, names: list[str], before: tuple[Any, Any], after: tuple[Any, Any]) -> None:
+    """Print the ratios of (response, runs) as it is and switched, and the share of the gap that the switch closes."""
+    rows = []
+    for name in names:
+        of_runs = [np.mean([run[name][1] for run in runs]) for _, runs in (before, after)]
+        if min(of_runs) > 0:
+            old, new = (found.std(name) / std for (found, _), std in zip((before, after), of_runs, strict=True))
+            rows.append((name, f"{old:.3f}", f"{new:.3f}", f"{100 * (1 - abs(new - 1) / abs(old - 1)):.0f} %"))
+    print(f"\n{title}, switched, {len(after[1])} seeds\n")
+    print(markdown((("result", "as it is", "switched", "of the gap"), rows)), flush=True)
 
 
 if __name__ == "__main__":

@@ -36,6 +36,8 @@ ANGLES = 96  # of the integral over a ring
 AROUND = 12  # points on a ring, for what rings of two rotors have in common
 TABLE = np.geomspace(1e-4, 20.0, 80)  # Hz, of a table of the shares; below they do not change, above there are none
 HARMONICS = 4  # multiples of the number of blades, on both sides
+DECAYS = 1e-3, 1e3  # 1/m, of a coherence that decays exponentially with the distance
+_LOGARITHMS = np.log(DECAYS[0]) + np.log(DECAYS[1] / DECAYS[0]) * (1 - np.cos(np.pi * np.arange(141) / 140)) / 2
 
 Coherence = Callable[[Floats, Floats], Floats]
 """`(frequency [Hz] (q, 1, 1), distance [m] (1, pairs, angles)) -> coherence`, as one broadcasts them."""
@@ -47,14 +49,14 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     The sum over all orders is the coherence of two points on one ray, and 1 on one ring.
     """
     r, order = np.atleast_1d(np.asarray(radii, dtype=float)), np.atleast_1d(np.asarray(orders, dtype=int))
-    return _of_rings(_around(frequency, r, coherence), r.size, order)
+    return _of_rings((_around(frequency, r, coherence) @ _turns(order)).transpose(0, 2, 1), r.size)
 
 
-def _of_rings(around: Floats, count: int, orders: NDArray[np.int64]) -> Floats:
-    """Shares (q, orders, r, r) of the coherence of each two rings; two have the same in common in either order."""
+def _of_rings(pairs: Floats, count: int) -> Floats:
+    """Shares (q, orders, r, r) from those of each two rings (q, orders, pairs), which are the same in either order."""
     one, other = np.triu_indices(count)
-    found = np.empty((len(around), orders.size, count, count))
-    found[:, :, one, other] = found[:, :, other, one] = (around @ _turns(orders)).transpose(0, 2, 1)
+    found = np.empty((*pairs.shape[:2], count, count))
+    found[:, :, one, other] = found[:, :, other, one] = pairs
     return found
 
 
@@ -82,21 +84,53 @@ def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, .
     """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""
     from scipy.interpolate import PchipInterpolator, PPoly
 
-    r = np.frombuffer(radii)
+    r, decay = np.frombuffer(radii), coherence.decay(TABLE) if hasattr(coherence, "decay") else np.zeros(1)
+    decays = DECAYS[0] <= decay.min() and decay.max() <= DECAYS[1]
+    around = None if decays else _around(TABLE, r, coherence)
     one, other = np.triu_indices(r.size)
-    table, found = _around(TABLE, r, coherence), []
+    found = []
     for text, of_kind in zip(weights, orders, strict=True):
-        w, whole = np.frombuffer(text).reshape(-1, r.size), sorted({abs(order) for order in of_kind})
+        w, whole = np.frombuffer(text).reshape(-1, r.size), tuple(sorted({abs(order) for order in of_kind}))
+        pairs = _by_decay(radii, whole) if around is None else _of_pairs(around, whole)
+        to_table = _barycentric(np.log(decay)).T if around is None else np.eye(TABLE.size)
         if len(w) ** 2 < one.size:
             of_pairs = w[:, None, one] * w[:, other] + np.where(one == other, 0.0, w[:, None, other] * w[:, one])
-            sums = (of_pairs.reshape(-1, one.size) @ table) @ _turns(np.array(whole))  # (q, sums, orders)
+            sums = (of_pairs.reshape(-1, one.size) @ pairs).reshape(*of_pairs.shape[:2], len(whole), -1) @ to_table
+            sums = np.moveaxis(sums, -1, 0)
         else:  # hardly fewer sums than rings
-            sums = np.moveaxis(w @ _of_rings(table, r.size, np.array(whole)) @ w.T, 1, -1)
-        sums = sums.reshape(TABLE.size, len(w), len(w), len(whole))
+            table = (pairs.reshape(one.size, len(whole), -1) @ to_table).transpose(2, 1, 0)
+            sums = np.moveaxis(w @ _of_rings(table, r.size) @ w.T, 1, -1)
         splines = PchipInterpolator(np.log(TABLE), sums, axis=0)
         found.append({order: PPoly.construct_fast(np.ascontiguousarray(splines.c[..., k]), splines.x)
                       for k, order in enumerate(whole)})  # fmt: skip
     return found
+
+
+def _of_pairs(around: Floats, orders: tuple[int, ...]) -> Floats:
+    """Shares of each two rings (pairs, orders q) of their coherence (q, pairs, angles)."""
+    shares = (around @ _turns(np.array(orders))).transpose(1, 2, 0)
+    return np.ascontiguousarray(shares).reshape(len(shares), -1)
+
+
+@lru_cache(maxsize=16)
+def _by_decay(radii: bytes, orders: tuple[int, ...]) -> Floats:
+    """The same with a coherence exp(-rate distance), at rates that stand for all: those of all mean speeds."""
+    rates = np.exp(_LOGARITHMS)
+    return _of_pairs(_around(rates, np.frombuffer(radii), lambda rate, away: np.exp(-rate * away)), orders)
+
+
+def _barycentric(places: Floats) -> Floats:
+    """Weights (q, points) of the values at Chebyshev's points of the logarithm of the rate, at places (q,).
+
+    J.-P. Berrut, L. N. Trefethen, SIAM Review 46 (2004) 501, eq. 4.2. Exponentials are polynomials there to rounding.
+    """
+    weights = (-1.0) ** np.arange(_LOGARITHMS.size)
+    weights[[0, -1]] /= 2
+    off = places[:, None] - _LOGARITHMS
+    exact = off == 0
+    found = weights / np.where(exact, 1.0, off)
+    found[exact.any(axis=1)] = exact[exact.any(axis=1)]
+    return found / found.sum(axis=1, keepdims=True)
 
 
 def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],

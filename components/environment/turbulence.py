@@ -68,9 +68,13 @@ def coherence(frequency: ArrayLike, distance: ArrayLike, mean_speed: float, heig
 
     `frequency` [Hz] and `distance` r [m] in the plane across the wind are broadcast; L = 8.1 Lambda_1.
     """
-    frequency, distance = np.asarray(frequency, dtype=float), np.asarray(distance, dtype=float)
+    return np.exp(-np.asarray(distance, dtype=float) * coherence_decay(frequency, mean_speed, height))
+
+
+def coherence_decay(frequency: ArrayLike, mean_speed: float, height: float = 90.0) -> Floats:
+    """The rate [1/m] at which `coherence` decays with the distance."""
     length = 8.1 * turbulence_scale(height)
-    return np.exp(-12 * distance * np.hypot(frequency / mean_speed, 0.12 / length))
+    return 12 * np.hypot(np.asarray(frequency, dtype=float) / mean_speed, 0.12 / length)
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,10 @@ class PlaneCoherence:
 
     def __call__(self, frequency: ArrayLike, distance: ArrayLike) -> Floats:
         return coherence(frequency, distance, self.mean_speed, self.height)
+
+    def decay(self, frequency: ArrayLike) -> Floats:
+        """The rate [1/m] at which it decays with the distance, exponentially."""
+        return coherence_decay(frequency, self.mean_speed, self.height)
 
 
 def power_law(speed: float, reference_height: float, height: ArrayLike, exponent: float) -> Floats:

@@ -1,7 +1,7 @@
 """Linear waves: dispersion, JONSWAP spectrum, realisations and the kinematics of the water.
 
 Plain numpy; nothing here knows the equation kernel. Airy theory in constant depth h, still water level z = 0, z up.
-A sea is a sum of long-crested harmonics that travel along ``heading``,
+A sea is a sum of long-crested harmonics that travel along ``heading``, or each along a direction of its own,
 
     elevation(x, y, t) = sum_k a_k cos(omega_k t - k_k (x cos(heading) + y sin(heading)) + phase_k),
 
@@ -18,7 +18,7 @@ DNV-RP-C205 (2010), 3.5.5; J. Jonkman, NREL/TP-500-41958 (2007), sec. 2.4.1 (whi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from threading import RLock
@@ -121,9 +121,10 @@ def jonswap(omega: ArrayLike, significant_wave_height: float, peak_period: float
 
 @dataclass(frozen=True, eq=False)
 class WaveComponents:
-    """The harmonics of one long-crested sea; every array has shape (n,), n = 0 in still water.
+    """The harmonics of one sea; every array has shape (n,), n = 0 in still water.
 
     omega [rad/s], amplitude [m], phase [rad], wave_number [rad/m], heading [rad], period of repetition [s], depth [m].
+    directions [rad]: of each harmonic, about `heading`, where the sea is short-crested; None: all travel along it.
     A transfer is a complex array (n, m): m real quantities per metre of wave amplitude at every frequency.
     """
 
@@ -135,6 +136,27 @@ class WaveComponents:
     period: float
     depth: float
     tables: dict[Any, Any] | None = field(default=None, repr=False)
+    directions: Floats | None = None
+
+    def of_each_direction(self) -> Iterator[tuple[Any, WaveComponents]]:
+        """The harmonics that travel alike, as long-crested waves, with their places among all."""
+        if self.directions is None:
+            yield slice(None), self
+            return
+        for direction in np.unique(self.directions):
+            rows = np.flatnonzero(self.directions == direction)
+            arrays = (self.omega[rows], self.amplitude[rows], self.phase[rows], self.wave_number[rows])
+            yield rows, WaveComponents(*arrays, self.heading + float(direction), self.period, self.depth)
+
+    def by_direction(self, transfer: Callable[[WaveComponents], ArrayLike]) -> Complexes:
+        """A transfer of long-crested waves, complex (n, m), of all harmonics."""
+        if self.directions is None:
+            return self.columns(transfer(self))
+        parts = [(rows, waves.columns(transfer(waves))) for rows, waves in self.of_each_direction()]
+        found = np.empty((len(self), parts[0][1].shape[1]), dtype=complex)
+        for rows, values in parts:
+            found[rows] = values
+        return found
 
     def kept(self, key: Any, make: Callable[[], Any]) -> Any:
         """What `make` computes of these waves, not to be changed; of unit waves it is kept, the last ones, by key."""
@@ -175,6 +197,8 @@ class WaveComponents:
     def elevation_transfer(self, points: ArrayLike) -> Complexes:
         """Elevation at `points` (p, 2 or 3) [m] per unit amplitude at the origin; shape (n, p)."""
         points = np.atleast_2d(np.asarray(points, dtype=float))
+        if self.directions is not None:
+            return self.by_direction(lambda waves: waves.elevation_transfer(points))
         along = points[:, 0] * math.cos(self.heading) + points[:, 1] * math.sin(self.heading)
         return np.exp(-1j * np.outer(self.wave_number, along))
 
@@ -188,6 +212,9 @@ class WaveComponents:
         z = points[:, 2]
         if np.any(z < -self.depth * (1 + 1e-9)):
             raise ParameterError(f"point at z = {z.min():g} m lies below the sea bed at {-self.depth:g} m")
+        if self.directions is not None:
+            flat = self.by_direction(lambda waves: waves.velocity_transfer(points).reshape(len(waves), -1))
+            return flat.reshape(len(self), len(points), 3)
         horizontal, vertical = depth_decay(self.wave_number, z, self.depth)
         wave = self.omega[:, None] * self.elevation_transfer(points) * (z <= 0)
         along = wave * horizontal
@@ -257,7 +284,7 @@ def unit_waves(omega: ArrayLike, depth: float, heading: float = 0.0, gravity: fl
     return _unit_waves(omega.tobytes(), float(depth), float(heading), float(gravity))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=24)  # of a short-crested sea each direction
 def _unit_waves(frequencies: bytes, depth: float, heading: float, gravity: float) -> WaveComponents:
     omega = np.frombuffer(frequencies)
     number = wave_number(omega, depth, gravity)

@@ -120,6 +120,7 @@ class Campbell:
             left.set_ylabel("natural frequency, not turning [Hz]")
             right.set_ylabel("damping ratio [%]")
             for axis in (left, right):
+                axis.margins(x=0.03)
                 axis.set_xlabel(f"{name} [{self.unit}]")
             figure.legend(loc="outside lower center", ncols=3, fontsize=7.5)
             if title:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import not_negative
+
+if TYPE_CHECKING:
+    from fowtlib.design.calibration import CalibrationStopped
 
 EXAMPLES = """RECORD is a result file or a test (.nc, .csv, .outb) whose channels have the
 names of results of the model. With --release the model is at rest at first and
@@ -51,6 +55,7 @@ def names(text: str) -> list[str]:
 def calibrate(arguments: argparse.Namespace) -> int:
     """Fit, print the values and what is left, and draw it."""
     import fowtlib as fw
+    from fowtlib.design.calibration import CalibrationStopped
     from fowtlib.solving.results import Result
 
     check_target(arguments.plot, FIGURES, arguments.force)
@@ -61,10 +66,13 @@ def calibrate(arguments: argparse.Namespace) -> int:
         tables.say(arguments, conditions)
     record = Result.open(arguments.record)
     start = None if arguments.release else model.settings.get("start")
-    found = fw.calibrate(
-        model, record, arguments.fit, results=arguments.results, release=arguments.release, start=start,
-        discard=arguments.discard, step=model.settings.get("step"),
-    )  # fmt: skip
+    try:
+        found = fw.calibrate(
+            model, record, arguments.fit, results=arguments.results, release=arguments.release, start=start,
+            discard=arguments.discard, step=model.settings.get("step"),
+        )  # fmt: skip
+    except CalibrationStopped as stop:
+        return _stopped(stop)
     if arguments.plot:
         found.plot(arguments.plot)
     for name, part in found.left.items():
@@ -75,3 +83,11 @@ def calibrate(arguments: argparse.Namespace) -> int:
     tables.show(arguments, ("parameter", "before", "value", "from", "to", "unit"), found.rows())
     say_saved(arguments.plot)
     return 0
+
+
+def _stopped(stop: CalibrationStopped) -> int:
+    """Say the values so far."""
+    values = ", ".join(f"{name} = {value:.6g} {stop.units[name]}".rstrip() for name, value in stop.values.items())
+    print(f"fowt calibrate: stopped after {stop.runs} runs. Nearest to the record so far, with {100 * stop.left:.3g} % "
+          f"of its std left: {values}. A fit with these in the model (--set) goes on from there.", file=sys.stderr)
+    return 130

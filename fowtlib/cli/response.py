@@ -84,7 +84,7 @@ def show_response(arguments: argparse.Namespace) -> int:
     names = arguments.outputs.split(",") if arguments.outputs else None
     found = response(model, outputs=names, linearisation=arguments.linearisation, varying_speed=arguments.varying_speed)
     moving = [name for name, mean in zip(found.outputs, found.mean, strict=True)
-              if found.std(name) > LEAST * max(abs(mean), 1e-6)]  # fmt: skip
+              if names or found.std(name) > LEAST * max(abs(mean), 1e-6)]  # all that were asked for
     if arguments.plot:
         found.plot(arguments.plot, outputs=moving)
     processes = list(found.shares)
@@ -141,7 +141,7 @@ def show_states(arguments: argparse.Namespace) -> int:
     for name in found.outputs:
         std = found.weighted_std(name, every)
         mean = found.weighted(lambda one, name=name: one.mean_of(name), every)
-        if not arguments.form and not std > LEAST * max(abs(mean), 1e-6):
+        if not names and not arguments.form and not std > LEAST * max(abs(mean), 1e-6):
             continue
         (top, high), (bottom, low) = (found.extreme(name, 3600 * arguments.hours, side=side) for side in ("max", "min"))
         load = found.equivalent_load(name, arguments.exponent, missing=every)

@@ -37,6 +37,18 @@ _SMALL = 1e-6  # change of all channels by a parameter that doubles, over them, 
 _DIFFERENCE = 1e-4  # of a parameter, where derivatives are differences of runs
 
 
+class CalibrationStopped(KeyboardInterrupt):
+    """Ctrl-C during a fit: the values so far, nearest to the record, from which another fit may begin.
+
+    values [SI] by the names of the parameters, units alike; left: root of the mean square of the residuals, over the
+    standard deviations of their channels.
+    """
+
+    def __init__(self, values: Mapping[str, float], units: Mapping[str, str], left: float, runs: int):
+        super().__init__("calibration stopped")
+        self.values, self.units, self.left, self.runs = values, units, left, runs
+
+
 @dataclass(frozen=True)
 class Calibration:
     """What was found. ``parameters`` goes to a run as it is: ``plant.simulate(..., parameters=found.parameters)``.
@@ -125,8 +137,9 @@ def calibrate(
     discard    seconds at the beginning that do not count (of a run in waves)
     constants  a constant of each channel is fitted too
 
-    step and tolerance are those of the solver "fixed". Raises ModelError: channels or parameters that are not there, a
-    parameter without influence, parameters whose influences are proportional.
+    step and tolerance are those of the solver "fixed". Ctrl-C raises CalibrationStopped, a KeyboardInterrupt that has
+    the values so far. Raises ModelError: channels or parameters that are not there, a parameter without influence,
+    parameters whose influences are proportional.
     """
     plant = plant_of(model)
     elements = tuned_elements(plant, fit, parameters)
@@ -148,6 +161,7 @@ class _Fitting:
         self.sizes = np.where(self.start_values != 0.0, np.abs(self.start_values), 1.0)
         self.gradients, self.runs = "exact", 0
         self.known: dict[bytes, tuple[dict[str, np.ndarray], np.ndarray | None]] = {}
+        self.nearest: tuple[float, np.ndarray] | None = None  # mean square of residuals, and the values
 
     # --- where the run begins ---------------------------------------------------------------------------------------
 
@@ -233,7 +247,11 @@ class _Fitting:
         for name, (counted, weight) in self.weights().items():
             rest = (self.channels[name].values - motions[name])[counted]
             rows.append(weight * (rest - rest.mean() if self.constants else rest))
-        return np.concatenate(rows)
+        found = np.concatenate(rows)
+        square = float(np.mean(found**2))
+        if self.nearest is None or square < self.nearest[0]:
+            self.nearest = square, scaled * self.sizes
+        return found
 
     def slopes(self, scaled: np.ndarray) -> np.ndarray:
         _, table = self.simulated(scaled * self.sizes, True)
@@ -256,6 +274,18 @@ class _Fitting:
     # --- the fit ----------------------------------------------------------------------------------------------------
 
     def found(self) -> Calibration:
+        """The fit; CalibrationStopped where it is interrupted after its first run."""
+        try:
+            return self._found()
+        except KeyboardInterrupt:
+            if self.nearest is None:
+                raise
+            square, values = self.nearest
+            named = {item.name: float(value) for item, value in zip(self.elements, values, strict=True)}
+            units = {item.name: item.unit for item in self.elements}
+            raise CalibrationStopped(named, units, float(np.sqrt(square)), self.runs) from None
+
+    def _found(self) -> Calibration:
         from scipy.optimize import least_squares
 
         begin = self.start_values / self.sizes

@@ -374,8 +374,14 @@ class _Result:
             ended.reason if ended else "the nearest to its constraints", self._sizes(start, point, y, costs),
             self._limited(start, point, costs), parameters, results, tuple(searches), self._members(start, point),
             tuple(history), tuple(conflict), np.nan if costs is None else costs.rest, time.perf_counter() - began,
-            {"method": method} if method else {},
+            {"method": method} if method else {}, self._unit(),
         )  # fmt: skip
+
+    def _unit(self) -> str:
+        """Of the objective."""
+        objective: Objective = self.design.objective  # type: ignore[assignment]
+        units = {self.problem.composition.unit(name) for name in objective.terms}
+        return units.pop() if len(units) == 1 else "1"
 
     def _prices(self, y: np.ndarray) -> Any:
         try:

@@ -95,7 +95,8 @@ class Optimum:
 
     parameters: of a run of the model with this design, what is freed (ballast) at its value; results: by case and name.
     conflict: where no design keeps all constraints, those that are against each other. rest: of the slope of the
-    objective that no active limit takes, over its size: nearly zero at an optimum.
+    objective that no active limit takes, over its size: nearly zero at an optimum. unit: of the objective; "1" where
+    its terms have several.
     """
 
     title: str
@@ -116,6 +117,7 @@ class Optimum:
     rest: float = np.nan
     seconds: float = 0.0
     settings: Mapping[str, Any] = field(default_factory=dict)
+    unit: str = "1"
 
     def __getitem__(self, name: str) -> Any:
         """The value of a variable (an array where it has more numbers), in SI."""

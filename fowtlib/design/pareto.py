@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """Optima along a front, with the values of both results; efficient: whether no other one is better in both."""
+    """Optima along a front, with the values of both results; efficient: whether no other one is better in both.
+
+    units: of both results; "1" of an objective of several units.
+    """
 
     title: str
     names: tuple[str, str]
@@ -31,6 +34,7 @@ class Front:
     second: tuple[float, ...]
     efficient: tuple[bool, ...]
     optima: tuple[Optimum, ...]
+    units: tuple[str, str] = ("1", "1")
 
     def rows(self) -> tuple[tuple[str, ...], list[tuple[Any, ...]]]:
         """Heads and rows: both results, then the variables."""
@@ -152,6 +156,11 @@ class _Watched:
         object.__setattr__(moved, "plant", design.plant)
         return moved.optimise(method, say=say, **options)
 
+    def units(self, optimum: Optimum) -> tuple[str, str]:
+        """Of the objective, where its results have one, and of the second result."""
+        *own, second = (item.unit for item in optimum.constraints[-len(self.objective.terms) - 1 :])
+        return own[0] if len(set(own)) == 1 else "1", second
+
     def values(self, optimum: Optimum) -> tuple[float, float]:
         """The objective of the design, and the second result."""
         count = len(self.objective.terms)
@@ -175,4 +184,5 @@ def _front(design: Design, names: tuple[str, str], found: list[Optimum], watched
     return Front(
         design.title or getattr(design.plant, "title", "") or "a design", names, tuple(both[order, 0].tolist()),
         tuple(both[order, 1].tolist()), tuple(good[k] for k in order), tuple(optima[k] for k in order),
+        watched.units(found[0]),
     )  # fmt: skip

@@ -28,7 +28,7 @@ def plot_optimum(optimum: Any, path: str | Path | None = None) -> Figure:
     panels: list[tuple[str, Any]] = [("member", member) for member in along.values()]
     panels += [("sizes", single)] if single else []
     panels += [("constraints", optimum.constraints)] if optimum.constraints else []
-    panels += [("way", optimum.history)] if len(optimum.history) > 1 else []
+    panels += [("way", optimum)] if len(optimum.history) > 1 else []
     rows = -(-len(panels) // 2)
     with drawing_style():
         figure = drawing(10.0 if len(panels) > 1 else 5.5, 3.4 * rows + 0.4)
@@ -93,15 +93,20 @@ def _constraints(axis: Axes, constraints: Any) -> None:
     axis.set_title("use of the limits (1: at the limit)", loc="left", fontsize=9.5)
 
 
-def _way(axis: Axes, history: Any) -> None:
-    objective, violation = np.array(history).T
+def _way(axis: Axes, optimum: Any) -> None:
+    objective, violation = np.array(optimum.history).T
     axis.plot(objective, color=AFTER, marker=".")
     broken = np.flatnonzero(violation > 1e-5)
     axis.plot(broken, objective[broken], "x", color=LIMIT, label="not all constraints kept")
-    axis.set_title("objective", loc="left", fontsize=9.5)
+    axis.margins(x=0.03)
+    axis.set_title(_labelled("objective", optimum.unit), loc="left", fontsize=9.5)
     axis.set_xlabel("iterate")
     if broken.size:
         axis.legend(frameon=False, fontsize=8)
+
+
+def _labelled(name: str, unit: str) -> str:
+    return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def plot_front(front: Any, path: str | Path | None = None) -> Figure:
@@ -113,8 +118,9 @@ def plot_front(front: Any, path: str | Path | None = None) -> Figure:
         good = np.array(front.efficient, dtype=bool)
         axis.plot(x[good], y[good], color=AFTER, marker="o", ms=4)
         axis.plot(x[~good], y[~good], "x", color=LIMIT, ms=5)
-        axis.set_xlabel(front.names[0])
-        axis.set_ylabel(front.names[1])
+        axis.margins(x=0.04)
+        axis.set_xlabel(_labelled(front.names[0], front.units[0]))
+        axis.set_ylabel(_labelled(front.names[1], front.units[1]))
         axis.set_title(front.title, loc="left", fontsize=10.5)
     return save_figure(figure, path)
 

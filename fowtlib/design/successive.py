@@ -6,7 +6,8 @@ r_0 + J (y - y_0) and all functions are themselves, within a region about y_0. W
 then decides on the step, and on the region. J is exact at times; in between it learns from each point that was
 evaluated, by Broyden's update, which makes it agree with the last two. A step that leads outside of limits that bend
 is corrected once, from the results at its end. Constraints that cannot be kept within the region are broken by the
-least sum. Variables on which no result depends may go anywhere.
+least sum. Variables on which no result depends may go anywhere. At an optimum limits are broken by what bends within
+the last step, and by what kinks were rounded off; a few short steps, with limits moved by the latter, keep them.
 
 Sources: R. Fletcher, Practical Methods of Optimization (1987), chapter 14 (steps within a region, exact penalties);
 C.G. Broyden, Mathematics of Computation 19 (1965), 577-593; L.A. Schmit and B. Farshi, AIAA Journal 12 (1974), 692-699
@@ -31,6 +32,7 @@ GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
 CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
 ROUNDED = 1e-3  # of what is compared: kinks of the problem of a step are rounded off over it, those of merits are not
+KEPT, NEAR = 5, 1e-3  # short steps at most that keep all limits at an optimum, and how short
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
@@ -55,9 +57,7 @@ class _Search:
 
     def merit(self, r: np.ndarray, y: np.ndarray) -> float:
         f, g = self.problem.composition.function(self.problem.x(y), r)
-        g = np.ravel(g)
-        over = np.maximum(np.maximum(g - self.problem.upper, self.problem.lower - g), 0.0)
-        return float(f) / self.problem.f_scale + float(self.prices @ over)
+        return float(f) / self.problem.f_scale + float(self.prices @ np.abs(_over(self.problem, np.ravel(g))))
 
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
@@ -78,7 +78,7 @@ class _Search:
                         return Ended(y, False, reason)
                     continue
                 if not learned and (widened or self.region >= WIDE):
-                    return Ended(y, True, "an optimum")
+                    return Ended(self._kept(y, r, J), True, "an optimum")
                 if not learned:  # there is little to gain in a small region: is there in a larger one?
                     self.region, widened = WIDE, True
                     continue
@@ -129,6 +129,25 @@ class _Search:
         merit = self.merit(r, beside)
         return (beside, r, merit, J) if merit < there else (new, found, there, J)
 
+    def _kept(self, y: np.ndarray, r: np.ndarray, J: np.ndarray) -> np.ndarray:
+        """A point beside an optimum that keeps all limits, or breaks them less than it."""
+        best = self.problem.point(y)
+        for _ in range(KEPT):
+            if best.feasible:
+                break
+            given = self.problem.x(y), r
+            off = np.ravel(self.problem.composition.function(*given)[1] - self.sub.rounded(*given)[1])
+            new = self.sub(y, r, J, NEAR, off=off)
+            try:
+                found = self._results(new)
+            except ModelError:
+                break
+            J, y, r = _learnt(J, new - y, found - r), new, found
+            point = self.problem.point(new)
+            self.say(f"beside it: {point.objective:.5g}, {point.violation:.2g} at {point.worst}")
+            best = point if point.violation < best.violation else best
+        return self.problem.y(best.x)
+
     def _set_prices(self, prices: np.ndarray) -> None:
         """What breaks a limit costs more than the limit is worth in a step, and not much more.
 
@@ -174,6 +193,11 @@ def held(J: np.ndarray) -> np.ndarray:
     return np.any(J, axis=0)
 
 
+def _over(problem: Any, g: np.ndarray) -> np.ndarray:
+    """By how much constraints are broken: above 0 at their upper limit, below 0 at the lower one."""
+    return np.maximum(g - problem.upper, 0.0) - np.maximum(problem.lower - g, 0.0)
+
+
 def _learnt(J: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
     """Broyden's update, in the variables on which results depend."""
     s = np.where(held(J), step, 0.0)
@@ -193,7 +217,8 @@ class _Step:
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
         J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
-        f, g = rounded(composition.function, ROUNDED)(problem.offset + problem.scale * y, sizes * r)
+        self.rounded = rounded(composition.function, ROUNDED)
+        f, g = self.rounded(problem.offset + problem.scale * y, sizes * r)
         rows = [g - s, g + s, r - ca.mtimes(J, y)]
         asked = {
             "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),
@@ -202,8 +227,11 @@ class _Step:
         self.solvers = [_solver(asked), _solver(asked, **WATCHFUL)]  # the second where the first does not end
 
     def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float,
-                 centre: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
-        """The best point within a region about a centre, of results r and slopes J at y; None: about y."""
+                 centre: np.ndarray | None = None, off: Any = 0.0) -> np.ndarray:  # fmt: skip
+        """The best point within a region about a centre, of results r and slopes J at y; None: about y.
+
+        off: what constraints have beyond those of the problem, in which kinks are rounded off.
+        """
         problem, centre = self.problem, y if centre is None else centre
         k, m = problem.lower.size, r.size
         bound = held(J) | (not self.free)
@@ -213,14 +241,13 @@ class _Step:
         sizes = np.where(sizes > 0, sizes, 1.0)
         scaled = J / sizes[:, None]
         g = np.ravel(problem.composition.function(problem.x(y), r)[1])
-        over = np.maximum(np.maximum(g - problem.upper, problem.lower - g), 0.0)
         given = {
-            "x0": np.concatenate([y, r / sizes, over]),
+            "x0": np.concatenate([y, r / sizes, np.abs(_over(problem, g))]),
             "p": np.concatenate([scaled.ravel(order="F"), r / sizes - scaled @ y, sizes]),
             "lbx": np.concatenate([low, np.full(m, -np.inf), np.zeros(k)]),
             "ubx": np.concatenate([high, np.full(m, np.inf), np.full(k, np.inf)]),
-            "lbg": np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
-            "ubg": np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
+            "lbg": np.concatenate([np.full(k, -np.inf), problem.lower - off, np.zeros(m)]),
+            "ubg": np.concatenate([problem.upper - off, np.full(k, np.inf), np.zeros(m)]),
         }  # fmt: skip
         tried = []
         for solver in self.solvers:
@@ -238,6 +265,6 @@ class _Step:
     def _value(self, y: np.ndarray, r: np.ndarray) -> float:
         """What becomes least."""
         f, g = self.problem.composition.function(self.problem.x(y), r)
-        over = np.maximum(np.maximum(np.ravel(g) - self.problem.upper, self.problem.lower - np.ravel(g)), 0.0)
+        over = np.abs(_over(self.problem, np.ravel(g)))
         value = float(f) / self.problem.f_scale + self.penalty * float(over.sum())
         return value if np.isfinite(value) else np.inf

@@ -22,11 +22,13 @@ from scipy.linalg import lu_factor, lu_solve
 
 from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.answers_to_laws import AnswersToLaws
-from fowtlib.frequency.drag import best_gain, gains_of
-from fowtlib.frequency.driven import frequency_widths
-from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.common_sums import CommonSums, Rows
+from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.driven import Driving, Grid, frequency_widths
+from fowtlib.frequency.gain_slopes import slope_at_mean, stacked_slopes
 from fowtlib.frequency.mixing import Mixing
 from fowtlib.frequency.quantities import ORDERS
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
@@ -41,6 +43,7 @@ SLOW = 4.0  # a step that divides the change by less than this asks for new slop
 NOISE, STALLED = 1e-6, 4
 AT_ONCE = 32  # frequencies, of what all laws do to all laws
 EXACT = 1e-15  # of the largest share of functions of frequency, below which one is rounding
+MANY = 3  # scalars from which on sums that they have in common are made
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
 
 
@@ -88,6 +91,15 @@ class Slopes:
     means: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A scalar: its slopes by the moments of a result, of all processes or of one."""
+
+    result: int
+    by_moments: np.ndarray
+    process: str | None = None
+
+
 class RandomResponse:
     """The response of a linear model with the drag of its own response, and its adjoint.
 
@@ -108,29 +120,37 @@ class RandomResponse:
             best_gain(GUESS**2 * np.eye(place.stop - place.start), self.means[place]) for place in places
         ]  # fmt: skip
         self.answers: AnswersToLaws | None = None  # by which slopes of the fixed point were made
-        self.iterations = self._settle(newton)
+        self.common: CommonSums | None = None
+        self.iterations = 0
+        self._settle(newton)
+        self._answer()
 
     # --- forward ---------------------------------------------------------------------------------------------------
 
-    def _settle(self, phi: np.ndarray | None) -> int:
+    def _settle(self, phi: np.ndarray | None) -> None:
         """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
         last, self.newton, mixing = np.inf, phi, Mixing()
         best, stalled = np.inf, 0
-        for iteration in range(NEWTON):
-            self._answer()
-            found = gains_of(self._covariances(), [self.means[place] for _, place in self.excited.laws])
+        if not self.excited.laws:
+            return
+        driving = {path: Driving(self.forcing.driven[path], self.drives[path], self.weighted[:, channels, channels])
+                   for path, channels in self.forcing.columns.items()}  # fmt: skip
+        grid = Grid(self.excited, self.forcing.frequency, {}, driving)
+        for self.iterations in range(NEWTON):
+            found = grid.gains(self.gains)
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
-            change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
-                          for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
+            change = max(float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
+                         for d, g in zip(off, found, strict=True))  # fmt: skip
             if change < SETTLED or (change > last / 2 and change < self._rounding):
-                return iteration
+                return
             best, stalled = (change, 0) if change < best / 2 else (best, stalled + 1)
             if stalled >= STALLED and best < NOISE:
-                return iteration
+                return
             if change > FAR or change > last:
                 self.gains, self.newton = mixing(self.gains, found), None
             else:
                 if self.newton is None or change > max(last / SLOW, self._rounding):
+                    self._answer()
                     self.newton = self._map()
                 step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
@@ -140,7 +160,9 @@ class RandomResponse:
     @property
     def _rounding(self) -> float:
         """Change of the gains that rounding makes: that of roots as large as the fastest, in the least damping."""
-        roots = np.zeros(0) if self.resolvent.basis is None else self.resolvent.basis[0]
+        A = self.excited.states_with(self.gains)
+        basis = eigenvectors(A) if len(A) else None
+        roots = np.zeros(0) if basis is None else basis[0]
         least = -np.max(roots.real[roots.imag > 0], initial=-np.inf)
         return max(ROUNDING, 4 * np.finfo(float).eps * np.abs(roots).max() / least) if 0 < least < np.inf else ROUNDING
 
@@ -158,7 +180,7 @@ class RandomResponse:
         self.three = np.zeros((0, *size), dtype=complex)
         self.amplitudes, self.out = (np.empty((rows, *size), dtype=complex) for rows in (len(A), len(C)))
         for path, channels in self.forcing.columns.items():
-            driven, drive = self.forcing.driven[path], self._driven[path]
+            driven, drive = self.forcing.driven[path], self.drives[path]
             self.amplitudes[:, :, channels] = self.resolvent.driven(B[:, driven], drive)
             self.out[:, :, channels] = times(D[:, driven], drive)
         if operators is not None:
@@ -168,7 +190,7 @@ class RandomResponse:
             self.loop = np.eye(self.errors.shape[1]) - self.errors @ by_w  # (1 - E G), to the outputs w
             u = times(operators.C @ self.resolvent.shapes, self.amplitudes)
             for path, channels in self.forcing.columns.items():
-                u[:, :, channels] += times(operators.D_input[:, self.forcing.driven[path]], self._driven[path])
+                u[:, :, channels] += times(operators.D_input[:, self.forcing.driven[path]], self.drives[path])
             u = u.transpose(1, 0, 2)
             self.three = self._with_rates(np.linalg.solve(self.loop, self.errors @ u)).transpose(1, 0, 2)
             self.amplitudes += self.resolvent.amplitudes(times(operators.B, self.three))
@@ -273,8 +295,10 @@ class RandomResponse:
         for k, (_, place) in enumerate(laws):
             n = place.stop - place.start
             spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
-            slopes = gain_slopes(covariances[k], self.means[place])
-            self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        for numbers, rows in self.excited.law_rows:
+            part, covariance = slice(rows.shape[1]), np.array([covariances[k] for k in numbers])
+            slopes = stacked_slopes(covariance, self.means[rows])
+            self.by_covariance[numbers, part, part, part, part], self.by_mean[numbers, part, part, part] = slopes
         product = self._laws_with_laws(spread)
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
         product = product.reshape(count, count, width, width, width, width)  # i j r c e s
@@ -290,7 +314,12 @@ class RandomResponse:
         if self.closed.operators is None and self.resolvent.modes is not None:
             _, B, D = self._added()
             self.answers = AnswersToLaws.of(self.resolvent, B, self.closed.matrices["C"], D)
-            return self.answers.with_spectra(self.out[m:], self.weighted, m, spread)
+            if self.common is None:
+                sums = self.answers.spectra(self.out[m:], self.weighted)
+            else:
+                by = np.hstack([self.closed.matrices[name][m:] for name in "CD"])
+                sums = self.common.laws_with_laws(self.out[m:], by)
+            return self.answers.with_spectra(sums, m, spread)
         self.by_laws = np.zeros((self.omega.size, m, len(self.out) - m), dtype=complex)
         rows = spread.ravel()
         there = (rows >= 0)[:, None, None]
@@ -314,31 +343,42 @@ class RandomResponse:
 
     # --- adjoint ---------------------------------------------------------------------------------------------------
 
-    def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None,
-               by_drive: Collection[str] | None = None) -> Slopes:  # fmt: skip
-        """Slopes of a scalar that has these slopes by the moments of a result; by_drive: of these processes, None: all.
+    def slopes(self, asked: Sequence[Asked], by_drive: Collection[str] | None = None) -> list[Slopes]:
+        """Slopes of scalars; by_drive: of these processes, None: all. With few of them each by itself."""
+        if not asked:
+            return []
+        if len(asked) >= MANY and self.closed.operators is None and self.resolvent.modes is not None:
+            return self._slopes_together(asked, by_drive)
+        return [self._slopes_of(one, by_drive) for one in asked]
+
+    def _bars(self, asked: Sequence[Asked]) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Slopes of scalars by the outputs that they are of (scalars, q, k), and by the densities (q, k, k)."""
+        orders = self.forcing.frequency ** np.array(ORDERS)[:, None] * widths(self.forcing.frequency)
+        bars, direct = np.empty((len(asked), *self.out.shape[1:]), dtype=complex), []
+        for bar, one in zip(bars, asked, strict=True):
+            weight, H, S = one.by_moments @ orders, self.out[one.result], self.forcing.of(one.process)
+            bar[:] = 2 * weight[:, None] * _with_density(H[None], S)[0]
+            direct.append(np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0))
+        return bars, direct
+
+    def _slopes_of(self, asked: Asked, by_drive: Collection[str] | None) -> Slopes:
+        """Those of one scalar.
 
         Those by the outputs are `bar` for the result, and the inputs of laws times their density times a constant
         matrix Q, so that their products with what is put in are Q times products that are the same for all scalars.
         """
-        excited, forcing = self.excited, self.forcing
-        m, n, nx = excited.results, excited.driven, len(self.amplitudes)
-        weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
-        weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
-        bar = 2 * weight[:, None] * _with_density(H[None], S)[0]
-        direct_density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
-        Q, means = self._through_laws(result, bar)
-        rows = np.r_[result, m : len(self.out)]  # of the outputs that it depends on
-        base, operators, every = excited.linear, self.closed.operators, slice(None)
+        (bar,), (direct,) = self._bars([asked])
+        (Q,), (means,) = self._through_laws([asked.result], bar[None])
+        operators, every = self.closed.operators, slice(None)
+        rows = np.r_[asked.result, self.excited.results : len(self.out)]  # of the outputs that it depends on
 
         def of_outputs(matrix: np.ndarray, channels: slice = every) -> np.ndarray:
             """A matrix times the slopes by these outputs."""
-            return times(matrix[:, 1:] @ Q, self._swept[:, :, channels]) + matrix[:, :1, None] * bar[:, channels]
+            return times(matrix[:, 1:] @ Q, self.swept[:, :, channels]) + matrix[:, :1, None] * bar[:, channels]
 
         # slopes by the rates, and by the inputs of operators, are `lift` times both
         of_states = self.resolvent.shapes.conj().T @ self.closed.matrices["C"][rows].T
         both, lift = self.resolvent.backwards(of_outputs(of_states))
-        acting = base.matrices["B"]
         if operators is not None:
             costate = times(lift, both)
             three = of_outputs(operators.D_output[rows].T) + times(operators.B.T, costate)
@@ -347,26 +387,82 @@ class RandomResponse:
             of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
             of_u = (self.errors.conj().transpose(0, 2, 1) @ of_w).transpose(1, 0, 2)
             both = np.concatenate([costate + self.resolvent.adjoint(times(operators.C.T, of_u)), of_u])
-            acting, lift = np.vstack([acting, base.operators.D_input]), np.eye(len(both))
-        # by the outputs of the model without the laws: those of laws have what their gains put in, too
-        D, G = base.matrices["D"][rows], self._gain_matrix()
-        back = G.T @ np.linalg.inv(np.eye(len(G)) - D[1:, n:].T @ G.T)
-        of_both, of_rows = back @ acting[:, n:].T, back @ D[:, n:].T
+            lift = np.eye(len(both))
         drive = {}
-        for path, channels in forcing.columns.items():
-            if by_drive is not None and path not in by_drive:
-                continue
-            driven = forcing.driven[path]
-            direct = D[:, driven].T
-            drive[path] = times((acting[:, driven].T + direct[:, 1:] @ of_both) @ lift, both[:, :, channels])
-            drive[path] += of_outputs(direct + direct[:, 1:] @ of_rows, channels)
-        sums = self._with_inputs(both, lift)
-        of_bars = np.vstack([self._with_inputs(bar[None]), Q @ self._swept_sums])
-        of_bars[1:] += of_both @ sums + of_rows @ of_bars
+        for path, channels in self.forcing.columns.items():
+            if by_drive is None or path in by_drive:
+                of_both, of_rows = self._by_driven(path, asked.result)
+                drive[path] = times(of_both @ lift, both[:, :, channels]) + of_outputs(of_rows, channels)
+        sums = lift @ self._with_laws(*self._with_inputs(both))
+        return Slopes(self._by_matrices(asked.result, sums, self._with_laws(*self._with_inputs(bar[None])), Q), drive,
+                      direct, Q, means)  # fmt: skip
+
+    def _slopes_together(self, asked: Sequence[Asked], by_drive: Collection[str] | None) -> list[Slopes]:
+        """Those of many scalars: the same by sums that all have in common."""
+        modes = self.resolvent.modes
+        common = self.common = CommonSums(self.resolvent, modes, self._rows) if self.common is None else self.common
+        bars, direct = self._bars(asked)
+        results, m = [one.result for one in asked], self.excited.results
+        Q, means = self._through_laws(results, bars)
+        C, lift = self.closed.matrices["C"] @ modes.shapes, modes.of.T
+        own, by_laws = C[results], C[m:].T @ Q
+        sums = lift @ self._with_laws(common.with_modes(own, by_laws, bars))
+        rows, found = self._with_laws(common.rows(bars)), []
+        drives = [path for path in self.forcing.columns if by_drive is None or path in by_drive]
+        for k, result in enumerate(results):
+            drive = {}
+            for path in drives:
+                of_both, of_rows = self._by_driven(path, result)
+                drive[path] = common.driven(path, of_both @ lift, np.hstack([of_rows[:, :1], of_rows[:, 1:] @ Q[k]]),
+                                            np.hstack([own[k][:, None], by_laws[k]]), bars[k])  # fmt: skip
+            matrices = self._by_matrices(result, sums[k], rows[k : k + 1], Q[k])
+            found.append(Slopes(matrices, drive, direct[k], Q[k], means[k]))
+        return found
+
+    @cached_property
+    def _rows(self) -> Rows:
+        return Rows(self.forcing.columns, self.forcing.driven, self.excited.driven, self.drives, self.weighted, self.x,
+                    self.swept)  # fmt: skip
+
+    @cached_property
+    def _acting(self) -> np.ndarray:
+        """Rates, and inputs of operators, by all inputs of the model without the laws."""
+        base = self.excited.linear
+        own = [] if base.operators is None else [base.operators.D_input]
+        return np.vstack([base.matrices["B"], *own])
+
+    @cached_property
+    def _back(self) -> np.ndarray:
+        """Slopes by the inputs of the laws, from those by what these put in."""
+        n, m, G = self.excited.driven, self.excited.results, self._gain_matrix()
+        return G.T @ np.linalg.inv(np.eye(len(G)) - self.excited.linear.matrices["D"][m:, n:].T @ G.T)
+
+    @cached_property
+    def _back_to_rates(self) -> np.ndarray:
+        return self._back @ self._acting[:, self.excited.driven :].T
+
+    def _direct(self, result: int) -> np.ndarray:
+        """Of a result, and of the laws, by all that is put in, at once."""
+        D = self.excited.linear.matrices["D"]
+        return np.vstack([D[result], D[self.excited.results :]])
+
+    def _by_driven(self, path: str, result: int) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes by what a process drives, from those by rates, and by the result and the laws with these in loop."""
+        D, driven = self._direct(result), self.forcing.driven[path]
+        of_laws = D[1:, driven].T
+        return (self._acting[:, driven].T + of_laws @ self._back_to_rates,
+                D[:, driven].T + of_laws @ (self._back @ D[:, self.excited.driven :].T))  # fmt: skip
+
+    def _by_matrices(self, result: int, sums: np.ndarray, row: np.ndarray, Q: np.ndarray) -> Bars:
+        """Slopes by the matrices, from those by the rates with all that is put in, and from the row of the result."""
+        m, nx = self.excited.results, len(self.amplitudes)
+        of_bars = np.vstack([row, Q @ self._swept_sums])
+        # by the outputs of the model without the laws: those of laws have what their gains put in, too
+        of_rows = self._back @ self._direct(result)[:, self.excited.driven :].T
+        of_bars[1:] += self._back_to_rates @ sums + of_rows @ of_bars
         whole = np.zeros((len(self.out) + len(sums) - nx, sums.shape[1]))
-        whole[rows], whole[len(self.out) :] = of_bars, sums[nx:]
-        bars = Bars(sums[:nx, :nx], sums[:nx, nx:], whole[:, :nx], whole[:, nx:])
-        return Slopes(bars, drive, direct_density, Q, means)
+        whole[result], whole[m : len(self.out)], whole[len(self.out) :] = of_bars[0], of_bars[1:], sums[nx:]
+        return Bars(sums[:nx, :nx], sums[:nx, nx:], whole[:, :nx], whole[:, nx:])
 
     def by_density(self, slopes: Sequence[Slopes], columns: slice, change: np.ndarray) -> np.ndarray:
         """Changes of scalars with that of the densities of these channels, (q, k, k).
@@ -391,60 +487,75 @@ class RandomResponse:
         through_laws = turned.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
         return of.direct + self.forcing.widths[:, None, None] / 2 * through_laws
 
-    def _with_inputs(self, rows: np.ndarray, lift: np.ndarray | None = None) -> np.ndarray:
-        """Re sum of rows (n, q, k) times the conjugates of the states and of all that is put in; of lift times rows.
+    def _with_inputs(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """Re sum of rows (n, q, k) times the conjugates of [states; what drives the model], and of those of w, w', w''.
 
-        What the laws put in are gains times their inputs, which are sums of the others.
+        None: without operators.
         """
         by_drive = np.zeros((len(rows), self.excited.driven))
         for path, channels in self.forcing.columns.items():
-            by_drive[:, self.forcing.driven[path]] += _outer(rows[:, :, channels], self._driven[path])
-        by_x, by_three = (_outer(rows, block) for block in (self.x, self.three))
+            by_drive[:, self.forcing.driven[path]] += _outer(rows[:, :, channels], self.drives[path])
+        by_three = _outer(rows, self.three) if self.closed.operators is not None else None
+        return np.hstack([_outer(rows, self.x), by_drive]), by_three
+
+    def _with_laws(self, by: np.ndarray, by_three: np.ndarray | None = None) -> np.ndarray:
+        """The same (..., n) with all that is put in: what the laws put in are gains times sums of the others."""
         C, D = (self.closed.matrices[name][self.excited.results :] for name in "CD")
-        by_laws, operators = by_x @ C.T + by_drive @ D.T, self.closed.operators
-        if operators is not None:
-            by_laws += by_three @ operators.D_output[self.excited.results :].T
-        found = np.hstack([by_x, by_drive, by_laws @ self._gain_matrix().T, by_three])
-        return found if lift is None else lift @ found
+        by_laws, more = by @ np.hstack([C, D]).T, []
+        if by_three is not None:
+            by_laws += by_three @ self.closed.operators.D_output[self.excited.results :].T
+            more = [by_three]
+        return np.concatenate([by, by_laws @ self._gain_matrix().T, *more], axis=-1)
 
     @cached_property
-    def _driven(self) -> dict[str, np.ndarray]:
+    def drives(self) -> dict[str, np.ndarray]:
         """The drive of each process, of its inputs and channels alone (n, q, k)."""
         drive = self.forcing.drive
         return {path: np.ascontiguousarray(drive[:, self.forcing.driven[path], channels].transpose(1, 0, 2))
                 for path, channels in self.forcing.columns.items()}  # fmt: skip
 
     @cached_property
-    def _swept(self) -> np.ndarray:
+    def swept(self) -> np.ndarray:
         """The inputs of the laws times the density (n, q, k)."""
         return np.ascontiguousarray(_with_density(self.out[self.excited.results :], self.weighted))
 
     @cached_property
     def _swept_sums(self) -> np.ndarray:
-        return self._with_inputs(self._swept)
+        return self._with_laws(*self._with_inputs(self.swept))
 
-    def _through_laws(self, result: int, bar: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The matrix Q, and slopes by the means, of what a scalar has by the covariances of the laws; see `slopes`."""
-        m, laws = self.excited.results, self.excited.laws
-        means, Q = np.zeros(self.means.size), np.zeros((len(self.out) - m,) * 2)
+    def _through_laws(self, results: Sequence[int], bars: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The matrix Q of scalars, and their slopes by the means, by the covariances of the laws; see `slopes`."""
+        m, laws, count, width = self.excited.results, self.excited.laws, len(bars), self._width
+        means, Q = np.zeros((count, self.means.size)), np.zeros((count, *(len(self.out) - m,) * 2))
         if not laws:
             return Q, means
         factors = self._of_fixed_point  # and with it what answers to the laws
         u = self.out[m:]
-        of_bar = np.ascontiguousarray((u.transpose(1, 0, 2) @ bar.conj()[:, :, None])[:, :, 0].T)
-        if self.answers is not None:
-            whole = self.answers.with_row(result, of_bar)
-            direct = [whole[place, place] for _, place in laws]
-        else:
-            direct = self._of_each_law(np.ascontiguousarray(self.by_laws[:, result].conj().T), of_bar)
-        by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
-        for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
-            n = len(by_gain)
-            by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place], self.excited.smoothing[k])[1]
-            means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
-            by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
-            Q[place, place] = by_covariance + by_covariance.T
+        of_bars = np.ascontiguousarray((u.transpose(1, 0, 2) @ bars.conj().transpose(1, 2, 0)).transpose(2, 1, 0))
+        direct = []
+        for result, of_bar in zip(results, of_bars, strict=True):
+            if self.answers is not None:
+                whole = self.answers.with_row(result, of_bar)
+                blocks = [whole[place, place] for _, place in laws]
+            else:
+                blocks = self._of_each_law(np.ascontiguousarray(self.by_laws[:, result].conj().T), of_bar)
+            direct.append(self._packed(blocks))
+        by_gains = lu_solve(factors, np.array(direct).T).T.reshape(count, len(laws), width, width)
+        by_covariance = np.einsum("labcd,klab->klcd", self.by_covariance, by_gains, optimize=True)
+        by_covariance = by_covariance + by_covariance.transpose(0, 1, 3, 2)
+        by_mean = np.einsum("labm,klab->klm", self.by_mean - self._by_mean_itself, by_gains, optimize=True)
+        for number, (_, place) in enumerate(laws):
+            n = place.stop - place.start
+            means[:, place], Q[:, place, place] = by_mean[:, number, :n], by_covariance[:, number, :n, :n]
         return Q, means
+
+    @cached_property
+    def _by_mean_itself(self) -> np.ndarray:
+        """Slopes by the means of what the linear model has of the laws by itself (laws, n, n, n)."""
+        found = np.zeros((len(self.excited.laws), *[self._width] * 3))
+        for one, (_, place), smoothing in zip(found, self.excited.laws, self.excited.smoothing, strict=True):
+            one[(slice(place.stop - place.start),) * 3] = slope_at_mean(self.means[place], smoothing)[1]
+        return found
 
     @property
     def linear(self) -> LinearModel:

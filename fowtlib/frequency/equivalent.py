@@ -25,8 +25,8 @@ import numpy as np
 
 from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.frequency.corners import covariance, with_states
-from fowtlib.frequency.driven import Grid, Processes
-from fowtlib.frequency.expected_means import RestingRows, TurningRows, deviations_of
+from fowtlib.frequency.driven import Grid, Processes, frequency_widths
+from fowtlib.frequency.expected_means import NOWHERE, RestingRows, TurningRows, deviations_of
 from fowtlib.frequency.products import PRODUCTS, Products, channels_of, cross_spectra, fed_back, with_channels
 from fowtlib.frequency.quadratic_rows import QuadraticRows
 from fowtlib.frequency.relaxation import Relaxation
@@ -35,6 +35,7 @@ from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import State
 from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.linear import LinearModel
 
 ITERATIONS, WITH_PRODUCTS = 60, 30  # at most; with products one takes three times as long
 WHOLE = 6  # from this iteration on the way to the covariance that is found is shortened, as this over their number
@@ -46,6 +47,8 @@ FEWEST = 3  # iterations; the first guess has too small a covariance
 NEAR = 0.1  # change of a deviation from which products join: those of a tangent response may be far too large
 FED_BACK, SWUNG = 20, 3.0  # iterations with what products make of products, and change of a deviation by it, at most
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
+LOOSE = 0.01  # of the last change of a deviation: the tolerance of the drag on the way
+THINNED = 8  # of so many frequencies one, for states that only tell how far the mean steps
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
 SLOWEST = 1e-4  # 1/s, at least
 TURNING = (
@@ -53,8 +56,8 @@ TURNING = (
     "a rotor of coefficients."
 )
 
-Driven = Callable[[ExcitedModel], tuple[ExcitedModel, Processes]]
-"""The linear model by the channels that count, and the random processes that drive it."""
+Driven = Callable[[ExcitedModel, bool], tuple[ExcitedModel, Processes]]
+"""The linear model by the channels that count, and the random processes that drive it; whether they are found anew."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,19 +100,22 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
     relaxed, cross = Relaxation(), np.zeros(())
     alone: Equivalent | None = None
     sizes, first, change, near = np.zeros(0), 0, np.inf, not quadratic  # sizes: of the loads alone
+    rough, anew = turning and given is None, True  # on fewer frequencies; the channels that count are to be found
     try:
         most = WITH_PRODUCTS if quadratic else ITERATIONS
         for iteration in range(1, most + 1):
-            excited, processes = driven(excited)
+            excited, processes = driven(excited, anew)
             products: Products | None = None
             near = near or change < NEAR
             if near and rows.quadratic is not None and response is not None:
                 excited, processes, products = _with_products(excited, processes, rows.quadratic, response, cross,
                                                               alone)  # fmt: skip
-            settled, damping = _settled(excited, processes, given, tolerance, gains)
-            excited, gains, grid = settled
-            response = Answers.of(excited, gains, grid, products, with_inputs=not turning)
+            loose = min(max(LOOSE * change, tolerance), max(LOOSE, tolerance))
+            (excited, gains, grid), damping = _settled(excited, processes, given, loose, gains, rough)
+            response = Answers.of(excited, gains, grid, products, rows.wanted(excited), quadratic)
             found, deviations = response.covariance, response.deviations
+            if not np.all(np.isfinite(found)):
+                raise SimulationError(NOWHERE)
             count = iteration - first
             share = min(1.0, WHOLE / count)
             if products is not None and guess is not None:
@@ -121,7 +127,10 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             smooth = deviations if smooth is None else smooth + share * (deviations - smooth)
             change = np.inf if last is None else max(_change(deviations, last), _change(deviations, smooth))
             enough = SETTLED if count <= PATIENT else NEARLY
-            if near and count > FEWEST and rows.step < CLOSE and change < enough and not damping:
+            ends = near and not rough and count > FEWEST and rows.step < CLOSE and change < enough
+            if ends and not damping:
+                if loose > tolerance:
+                    gains, grid, _ = settled_gains(excited, processes, grid.frequency, tolerance, gains)
                 shown = None if rows.shown is None else rows.shown[: excited.results]
                 whole = Equivalent(state, excited, gains, grid, iteration, shown, response.through)
                 if products is None or alone is not None:
@@ -129,8 +138,10 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
                 alone, sizes, first, relaxed = replace(whole, alone=True), deviations, iteration, Relaxation()
             if alone is not None and (iteration - first > FED_BACK or _swung(deviations, sizes)):
                 return alone
+            anew = False
             if last is not None and _change(deviations, last) < HELD:
-                given = grid.frequency
+                given = None if rough else grid.frequency
+                rough, anew = False, rough
             guess = CALM * found if guess is None else guess + share * (found - guess)
             last = deviations
             state, off = rows.stepped(excited, state, guess, 1.0 if products is None else share)
@@ -147,13 +158,13 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
 
 
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
-             tolerance: float, start: Sequence[np.ndarray] | None,
+             tolerance: float, start: Sequence[np.ndarray] | None, rough: bool,
              ) -> tuple[tuple[ExcitedModel, list[np.ndarray], Grid], float]:  # fmt: skip
     """The model with gains of its drag and frequencies, and what was taken off its roots so that it is stable."""
     try:
         if start is not None:
             refuse_unstable(excited.with_gains(start))
-        gains, grid, _ = settled_gains(excited, processes, frequency, tolerance, start)
+        gains, grid, _ = settled_gains(excited, processes, frequency, tolerance, start, rough)
         return (excited, gains, grid), 0.0
     except UnstableError as error:
         first = error
@@ -161,7 +172,7 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
     for _ in range(6):
         calm = excited.damped(damping)
         try:
-            gains, grid, _ = settled_gains(calm, processes, frequency, tolerance)
+            gains, grid, _ = settled_gains(calm, processes, frequency, tolerance, rough=rough)
             return (calm, gains, grid), damping
         except UnstableError:
             damping *= 2
@@ -172,7 +183,7 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
 class Answers:
     """Transfer functions (q, n, channels) of states, or of [states; inputs], by process, and their spectra per Hz.
 
-    covariance: of these. deviations, rates: of results and of the rates of the states.
+    covariance: of these. deviations, rates: of results and, where products are asked for, of the rates of the states.
     """
 
     frequency: np.ndarray
@@ -185,28 +196,50 @@ class Answers:
 
     @staticmethod
     def of(excited: ExcitedModel, gains: Sequence[np.ndarray], grid: Grid, products: Products | None,
-           with_inputs: bool) -> Answers:  # fmt: skip
-        """Of a model with gains of its drag; inputs: without those of products."""
+           wanted: Sequence[int] | None, quadratic: bool) -> Answers:  # fmt: skip
+        """Of a model with gains of its drag; inputs: without those of products.
+
+        wanted: states whose covariance is that of all frequencies, and without inputs; None: of all, and of inputs.
+        """
         linear = excited.with_gains(gains)
+        if wanted is not None:
+            return Answers._of_states(excited, linear, grid, wanted)
         n, m = len(linear.states), excited.results
         H = grid.answers(with_states(linear, m, np.eye(n), linear.states))
         both: dict[str, np.ndarray] = {}
         count = excited.driven - sum(name.startswith(f"{PRODUCTS} ") for name in linear.inputs)
         for path, answer in H.items():
-            both[path] = answer[:, m:]
-            if with_inputs:
-                drive = np.zeros((len(answer), excited.driven, answer.shape[2]), dtype=complex)
-                drive[:, grid.driving[path].inputs] = grid.driving[path].drive.transpose(1, 0, 2)
-                both[path] = np.concatenate([both[path], drive[:, :count]], axis=1)
+            drive = np.zeros((len(answer), excited.driven, answer.shape[2]), dtype=complex)
+            drive[:, grid.driving[path].inputs] = grid.driving[path].drive.transpose(1, 0, 2)
+            both[path] = np.concatenate([answer[:, m:], drive[:, :count]], axis=1)
         through: dict[str, np.ndarray] = {}
         if products is not None:
             through = products.through(both, grid.frequency)
             both, H = fed_back(both, through), fed_back(H, through)
-        shown: Mapping[str, np.ndarray] = {path: answer[:, :m] for path, answer in H.items()}
-        rates = {path: answer[:, m:] * (1j * grid.omega)[:, None, None] for path, answer in H.items()}
-        of_results, of_rates = (deviations_of(covariance(of, grid.spectra, grid.frequency)) for of in (shown, rates))
+        shown = {path: answer[:, :m] for path, answer in H.items()}
+        of_rates = np.zeros(0)
+        if quadratic:
+            of_rates = _deviations({path: answer[:, m:] * (1j * grid.omega)[:, None, None]
+                                    for path, answer in H.items()}, grid)  # fmt: skip
         return Answers(grid.frequency, both, grid.spectra, covariance(both, grid.spectra, grid.frequency),
-                       of_results, of_rates, through)  # fmt: skip
+                       _deviations(shown, grid), of_rates, through)  # fmt: skip
+
+    @staticmethod
+    def _of_states(excited: ExcitedModel, linear: LinearModel, grid: Grid, wanted: Sequence[int]) -> Answers:
+        """The covariance of some states by all frequencies, and that of the others by a few."""
+        m, one, few = excited.results, np.eye(len(linear.states)), grid.thinned(THINNED)
+        found = covariance(few.answers(with_states(linear, 0, one, linear.states)), few.spectra, few.frequency)
+        H = grid.answers(with_states(linear, m, one[wanted], [linear.states[k] for k in wanted]))
+        own = {path: answer[:, m:] for path, answer in H.items()}
+        found[np.ix_(wanted, wanted)] = covariance(own, grid.spectra, grid.frequency)
+        shown = {path: answer[:, :m] for path, answer in H.items()}
+        return Answers(grid.frequency, own, grid.spectra, found, _deviations(shown, grid), np.zeros(0), {})
+
+
+def _deviations(H: Mapping[str, np.ndarray], grid: Grid) -> np.ndarray:
+    """Of what transfer functions (q, m, channels) are of: (m,)."""
+    squares = sum(((h @ grid.spectra[path]) * h.conj()).sum(axis=2).real for path, h in H.items())
+    return np.sqrt(np.maximum(frequency_widths(grid.frequency) @ squares, 0.0))
 
 
 def _with_products(excited: ExcitedModel, processes: Processes, quadratic: QuadraticRows, response: Answers,

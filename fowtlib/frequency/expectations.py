@@ -9,6 +9,10 @@ Laws of states alone with corners (frequency.corners) are cheap, and are average
 A state that follows its law within a fraction of a second, as an actuator with a lower limit does, is far from Gaussian
 beside that limit. So at each point it stands where its own rate vanishes, a function g of the other states, and the
 linear function of a row f(v, g(v)) is E[df/dg] (g - E[g]) and what is left of its slopes by the others.
+
+So do algebraic unknowns, as the shapes of lines, stand where their own equations vanish, h(v) at each point: the linear
+function of a row f(v, h(v)) is E[df/dh] (h - E[h]) and what is left by the others, and h is E[h] + E[dh/dv] (v - m).
+Where that is not found, as for a line beyond its length, they stand where the linear model has them.
 """
 
 from __future__ import annotations
@@ -33,6 +37,8 @@ ALIKE = 3.0  # and wherever it is, much alike: an integral beside its limit is n
 HELD = 1e-3  # of its pace: what pulls less is held
 AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
 SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
+ALONG = 0.9  # of the step before, from which the next is twice as long
+NEWTON, SOLVED, SHRUNK = 12, 1e-6, 0.2  # steps at most for unknowns, the last one over their size, and over the former
 FULL = 3  # points for each number, from which products of two are exact too
 STILL = 1e-12  # SI; a deviation that is rounding alone, of which nothing is told
 ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
@@ -42,6 +48,8 @@ ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
 class Expected:
     """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow.
 
+    unknowns: the mean of these, at which their own rows vanish.
+
     quadratic: what the rows are of second order, by the Gaussian [states; signals]; None where that was not asked for.
     """
 
@@ -50,6 +58,7 @@ class Expected:
     by_z: np.ndarray
     by_signals: np.ndarray
     mean: np.ndarray
+    unknowns: np.ndarray
     quadratic: QuadraticRows | None = None
 
 
@@ -90,21 +99,14 @@ class Expectations:
         alg = slice(nx, nx + nz)
         dz = line @ slopes[0][alg].T + ds @ slopes[2][alg].T
         dz = -np.linalg.solve(slopes[1][alg], dz.T).T if nz else np.zeros((POINTS, 0))
-        values, sums, through = np.zeros(len(slopes[0])), None, np.zeros((len(slopes[0]), nx))
+        sums = _Sums(self.disturbed.slopes, alg, laws.followers)
         for k in range(POINTS):
             whole[q.size + self.at.parameters.size :][: law.signals] = ds[k]
-            point = t, moved[k], z + dz[k], whole
-            values += self.disturbed.values.entries(*point)[0]
-            found = self.disturbed.slopes.entries(*point)
+            at, found = self._settled(t, moved[k], z + dz[k], whole, sums)
+            sums.add(self.disturbed.values.entries(t, moved[k], at, whole)[0], found, at, by_others[k])
             if self.quadratic:
                 kept.append(np.concatenate(found))
-            sums = found if sums is None else [a + b for a, b in zip(sums, found, strict=True)]
-            if laws.followers:
-                through += _columns(self.disturbed.slopes, found[0], laws.followers) @ by_others[k]
-        by_x, by_z, by_s = (_dense(self.disturbed.slopes, k, entries) / POINTS for k, entries in enumerate(sums))
-        values /= POINTS
-        if laws.followers:
-            by_x += through / POINTS - by_x[:, laws.followers] @ laws.slopes
+        values, by_x, by_z, by_s, unknowns = sums.means(POINTS, laws.slopes)
         mean = x.copy()
         mean[laws.followers] = laws.means
         for number, value, row in laws.rows:
@@ -112,7 +114,27 @@ class Expectations:
         quadratic = None
         if self.quadratic:
             quadratic = self._of_second_order(points, np.array(kept), law, laws, moved, by_others, slopes)
-        return Expected(values, by_x, by_z, by_s, mean, quadratic)
+        return Expected(values, by_x, by_z, by_s, mean, unknowns, quadratic)
+
+    def _settled(self, t: float, x: np.ndarray, z: np.ndarray, whole: np.ndarray,
+                 sums: _Sums) -> tuple[np.ndarray, list[np.ndarray]]:  # fmt: skip
+        """Unknowns where their rows vanish, by Newton's method from a guess, and the entries of all slopes there."""
+        rows, slopes = self.disturbed.values, self.disturbed.slopes
+        first = slopes.entries(t, x, z, whole)
+        at, last, by_z = z, np.inf, _dense(slopes, 1, first[1])[sums.alg]
+        for _ in range(NEWTON if z.size else 0):
+            try:
+                step = np.linalg.solve(by_z, rows.entries(t, x, at, whole)[0][sums.alg])
+                at = at - step
+                size = float(np.max(np.abs(step) / (1 + np.abs(at))))
+                if size <= SOLVED:
+                    return at, slopes.entries(t, x, at, whole)
+                if not size < SHRUNK * last:  # slopes are too old, or nothing is near
+                    by_z = _dense(slopes, 1, slopes.entries(t, x, at, whole)[1])[sums.alg]
+                last = size
+            except (RuntimeError, np.linalg.LinAlgError):
+                break
+        return z, first
 
     def _of_second_order(self, points: Points, entries: np.ndarray, law: Gaussian, laws: SettledLaws, moved: np.ndarray,
                          by_others: np.ndarray, slopes: tuple[np.ndarray, ...]) -> QuadraticRows:  # fmt: skip
@@ -145,8 +167,10 @@ class LawExpectations:
     def __init__(self, plant: Any, at: Any):
         self.at, self.laws = at, laws_of(plant, at)
         self._paces: dict[int, float] = {}  # of those that follow: once they do, they do in all that comes
-        make = partial(_law_function, plant.dae, at, self.laws)
-        self._function = plant.functions.once("laws with slopes", make) if self.laws.numbers else None
+        self._function: LawFunctions | None = None
+        if self.laws.numbers:
+            make = partial(LawFunctions, plant.dae, at, self.laws)
+            self._function = plant.functions.once("laws with slopes", make)
 
     def __call__(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> SettledLaws:
         """At a Gaussian state."""
@@ -157,10 +181,10 @@ class LawExpectations:
         if self._function is None:
             return {}
         moving, others = list(self.laws.moving), np.concatenate([[t], self.at.whole(q)])[list(self.laws.held)]
-        by = self._function.entries(np.tile(x[moving], (BLOCK, 1)), others)[1].reshape(BLOCK, len(moving), -1)[0]
+        by = self._function.slopes(np.tile(x[moving], (BLOCK, 1)), others)[1][0]
         found = {number: np.zeros(x.size) for number in self.laws.numbers}
         for j, number in enumerate(self.laws.numbers):
-            found[number][moving] = by[:, j]
+            found[number][moving] = by[j]
         return found
 
 
@@ -172,7 +196,7 @@ class SettledLaws:
     each law its number, its value and its slopes.
     """
 
-    def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian,
+    def __init__(self, function: LawFunctions | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian,
                  paces: dict[int, float]):  # fmt: skip
         self.function, self.moving = function, list(laws.moving)
         self.others = np.concatenate([[t], q])[list(laws.held)]
@@ -240,7 +264,7 @@ class SettledLaws:
         for side in (-far, far):
             moved = spread.copy()
             moved[:, number] = mean[number] + side
-            rates.append(self._slopes(moved)[0][:, law])
+            rates.append(self._values(moved)[:, law])
         return bool(min(np.mean(rates[0] >= 0), np.mean(rates[1] <= 0)) > ALMOST)
 
     def settle(self, x: np.ndarray) -> np.ndarray:
@@ -249,9 +273,17 @@ class SettledLaws:
         Returns their slopes (n, k, states).
         """
         at = [self.numbers.index(n) for n in self.followers]
+        longer, last = np.ones((len(x), len(at))), np.zeros((len(x), len(at)))
+        most = np.full_like(longer, np.inf)
         for _ in range(SETTLING if self.followers else 0):
-            step = self._slopes(x)[0][:, at] / self.pace
-            x[:, self.followers] += step
+            step = self._values(x)[:, at] / self.pace
+            along, over = (step * last > 0) & (np.abs(step) > ALONG * np.abs(last)), step * last < 0
+            longer[along] *= 2  # a limit of its rate holds it
+            most[over] = longer[over] / 2
+            longer[over] /= 8
+            longer = np.maximum(np.minimum(longer, most), 1.0)
+            x[:, self.followers] += longer * step
+            last = step
             if np.max(np.abs(step)) < SETTLED * (1e-12 + np.max(np.std(x[:, self.followers], axis=0))):
                 break
         slopes = self._slopes(x)[1][:, at]
@@ -266,14 +298,13 @@ class SettledLaws:
         found[:, :, self.followers] = 0.0
         return found
 
+    def _values(self, x: np.ndarray) -> np.ndarray:
+        """Laws (n, laws)."""
+        return self.function.values(x[:, self.moving], self.others)
+
     def _slopes(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Laws (n, laws) and their slopes (n, laws, moving)."""
-        values, slopes = [], []
-        for block in np.split(x[:, self.moving], len(x) // BLOCK):
-            rates, by = self.function.entries(block, self.others)
-            values.append(rates.reshape(BLOCK, -1))
-            slopes.append(by.reshape(BLOCK, len(self.moving), -1).transpose(0, 2, 1))
-        return np.concatenate(values), np.concatenate(slopes)
+        return self.function.slopes(x[:, self.moving], self.others)
 
 
 def _pace(own: np.ndarray) -> float:
@@ -283,12 +314,29 @@ def _pace(own: np.ndarray) -> float:
     return float(fastest) if slowest > FAST and fastest < ALIKE * slowest else 0.0
 
 
-def _law_function(dae: Any, at: Any, laws: Laws) -> Arrays:
-    """Of the states that laws name and of the rest of [t; q]: the laws and their slopes, at BLOCK points."""
-    rows, x = ca.densify(dae.ode[list(laws.numbers)]), dae.x[list(laws.moving)]
-    others = ca.vertcat(at.general.t, at.general.q)[list(laws.held)]
-    one = ca.Function("laws", [x, others], [rows, ca.densify(ca.jacobian(rows, x))])
-    return Arrays(one.map("laws_with_slopes", "serial", BLOCK, [1], []))
+class LawFunctions:
+    """The laws, and their slopes, of the states that they name (n, moving) and of the rest of [t; q], BLOCK at once."""
+
+    def __init__(self, dae: Any, at: Any, laws: Laws):
+        rows, x = ca.densify(dae.ode[list(laws.numbers)]), dae.x[list(laws.moving)]
+        others = ca.vertcat(at.general.t, at.general.q)[list(laws.held)]
+        slopes = ca.densify(ca.jacobian(rows, x))
+        self.shape = slopes.shape
+        self._values, self._slopes = (
+            Arrays(ca.Function("laws", [x, others], found).map("laws_at_points", "serial", BLOCK, [1], []))
+            for found in ([rows], [rows, slopes])
+        )
+
+    def values(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Laws (n, laws), n a multiple of BLOCK."""
+        blocks = (self._values.entries(block, others)[0] for block in np.split(x, len(x) // BLOCK))
+        return np.concatenate(list(blocks)).reshape(len(x), -1)
+
+    def slopes(self, x: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Laws (n, laws) and their slopes (n, laws, moving)."""
+        found = [self._slopes.entries(block, others) for block in np.split(x, len(x) // BLOCK)]
+        values, slopes = (np.concatenate(part) for part in zip(*found, strict=True))
+        return values.reshape(len(x), -1), slopes.reshape(len(x), *self.shape[::-1]).transpose(0, 2, 1)
 
 
 def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> Points:
@@ -341,18 +389,39 @@ def _spread(covariance: np.ndarray, states: Sequence[int], size: int) -> np.ndar
     return found
 
 
+class _Sums:
+    """Over points: values of rows, their slopes with unknowns as functions of the rest, and these functions.
+
+    alg: the rows of the unknowns. followers: numbers of states that follow their law; see SettledLaws.
+    """
+
+    def __init__(self, function: Arrays, alg: slice, followers: Sequence[int]):
+        self.function, self.alg, self.followers, self.count = function, alg, list(followers), 0
+        self.sums: list[np.ndarray] = []
+
+    def add(self, values: np.ndarray, entries: list[np.ndarray], z: np.ndarray, by_others: np.ndarray) -> None:
+        """A point, with entries of the slopes, its unknowns, and slopes (k, states) of the followers."""
+        f_x, f_z, f_s = (_dense(self.function, k, of) for k, of in enumerate(entries))
+        h = -np.linalg.solve(f_z[self.alg], np.hstack([f_x, f_s])[self.alg]) if z.size else np.zeros((0, f_x.shape[1]
+                                                                                                  + f_s.shape[1]))
+        n = f_x.shape[1]
+        whole, h_x = f_x + f_z @ h[:, :n], h[:, :n]
+        parts = [values, whole, f_z, f_s + f_z @ h[:, n:], h_x, h[:, n:], z,
+                 whole[:, self.followers] @ by_others, h_x[:, self.followers] @ by_others]  # fmt: skip
+        self.sums = [a + b for a, b in zip(self.sums, parts, strict=True)] if self.sums else parts
+
+    def means(self, count: int, slopes: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Values, slopes by states, unknowns and signals, and unknowns; slopes (k, states): means of the followers'."""
+        values, whole, f_z, f_s, h_x, h_s, z, through, h_through = (total / count for total in self.sums)
+        whole = whole + through - whole[:, self.followers] @ slopes
+        h_x = h_x + h_through - h_x[:, self.followers] @ slopes
+        by_x, by_s = whole - f_z @ h_x, f_s - f_z @ h_s
+        values[self.alg] = 0.0
+        return values, by_x, f_z, by_s, z
+
+
 def _dense(function: Arrays, number: int, entries: np.ndarray) -> np.ndarray:
     rows, columns, shape = function.places[number]
     matrix = np.zeros(shape)
     matrix[rows, columns] = entries
     return matrix
-
-
-def _columns(function: Arrays, entries: np.ndarray, columns: Sequence[int]) -> np.ndarray:
-    """Some columns of the first result."""
-    rows, of, shape = function.places[0]
-    found = np.zeros((shape[0], len(columns)))
-    for k, column in enumerate(columns):
-        kept = of == column
-        found[rows[kept], k] = entries[kept]
-    return found

@@ -25,6 +25,7 @@ NOWHERE = (
 )
 
 LOOSE = 1e-11  # singular value over the largest one, from which a direction is held by no row
+STILL = 1e-3  # of the size of a state, the least deviation: one at its limit has none
 LEFT = 1e-8  # of the right-hand sides, that a solution may leave
 
 Off = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -47,6 +48,10 @@ class RestingRows:
         self.moving = moving_states(self.at.functions, set())
         self.to = np.zeros((0, 0))
 
+    def wanted(self, excited: ExcitedModel) -> list[int] | None:
+        """None: all states, and inputs, count alike."""
+        return None
+
     def mixing(self, state: State, inputs: int) -> np.ndarray:
         """Signals by the inputs of the linear model."""
         count = len(self.symbols)
@@ -68,7 +73,7 @@ class RestingRows:
         known = None if self.expected is None else (self.expected.by_x, self.expected.by_z, self.expected.by_signals)
         try:
             found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
-        except RuntimeError:  # an equation cannot be evaluated somewhere
+        except (RuntimeError, np.linalg.LinAlgError):  # an equation cannot be evaluated somewhere, or holds no unknown
             raise SimulationError(NOWHERE) from None
         self.expected = found
         rows = [*self.moving, *range(n, n + state.z.size)]
@@ -82,7 +87,7 @@ class RestingRows:
         x[self.moving] += step[: len(self.moving)]
         paths = [item.path for item in self.at.dae.states]
         new = self.plant.initial_state(state.parameters, dict(zip(paths, x.tolist(), strict=True)))
-        new = replace(new, z=state.z + step[len(self.moving) :])  # expected unknowns solve expected equations
+        new = replace(new, z=found.unknowns + step[len(self.moving) :])  # expected unknowns solve expected equations
         whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means_of_laws(self.at, new)])
         there = self.of.disturbed.slopes(new.t, new.x, new.z, whole)
         own = (found.by_x, found.by_z, found.by_signals)
@@ -115,6 +120,11 @@ class TurningRows:
         self.plant, self.at, self.step = plant, plant.at(state.parameters), np.inf
         self.of = LawExpectations(plant, self.at)
 
+    def wanted(self, excited: ExcitedModel) -> list[int]:
+        """Numbers of the states of the linear model that laws follow from."""
+        paths = {self.at.dae.states[k].path for k in self.of.laws.moving}
+        return [k for k, path in enumerate(excited.linear.states) if path in paths]
+
     def stepped(self, excited: ExcitedModel, state: State, guess: np.ndarray, share: float) -> tuple[State, Off]:
         """See the other; the mean is that over a revolution, and the slopes are those of this guess alone."""
         average, mean = excited.rotating.average, excited.rotating.mean
@@ -129,6 +139,8 @@ class TurningRows:
             k = laws.followers.index(number) if number in laws.followers else None
             rates[number] = value if k is None else laws.pace[k] * (laws.means[k] - state.x[number])
             slopes[number] = row
+        if not np.all(np.isfinite(slopes)) or not np.all(np.isfinite(rates)):
+            raise SimulationError(NOWHERE)
         try:
             step = -np.linalg.solve(slopes[np.ix_(free, free)], rates[free])
         except np.linalg.LinAlgError:
@@ -180,4 +192,4 @@ def _solved(slopes: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 def _over(step: np.ndarray, deviations: np.ndarray, at: np.ndarray) -> float:
     """The largest step over the deviation of its state."""
-    return float(np.max(np.abs(step) / np.maximum(deviations, 1e-9 * (1 + np.abs(at))), initial=0.0))
+    return float(np.max(np.abs(step) / np.maximum(deviations, STILL * (1 + np.abs(at))), initial=0.0))

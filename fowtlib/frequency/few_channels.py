@@ -30,7 +30,12 @@ SAMPLES = 2 * np.pi * np.geomspace(3e-3, 1.0, 6)  # rad/s, at which the laws of 
 THINNED = 2  # of so many frequencies of a coarse grid one
 
 
-def with_few_channels(excited: ExcitedModel, root: Component, beside: Container[str] = ()) -> ExcitedModel:
+Sums = dict[int, tuple[np.ndarray, np.ndarray]]
+"""T and P^T (channels, sums) of c = T P c, by the number of a field."""
+
+
+def with_few_channels(excited: ExcitedModel, root: Component, beside: Container[str] = (),
+                      sums: Sums | None = None) -> ExcitedModel:  # fmt: skip
     """The model with sums of channels in place of these, for the fields of a run that fluctuate across the flow too.
 
     beside: processes that have channels of signals beside those of a field; they are left as they are, and so are
@@ -52,15 +57,17 @@ def with_few_channels(excited: ExcitedModel, root: Component, beside: Container[
     key = tuple((k, np.round(C, 9).tobytes()) for k, C in common.items())
     if key not in excited.compact:
         excited.compact.clear()
-        excited.compact[key] = _compact(excited, common, root)
+        excited.compact[key] = _compact(excited, common, root, {} if sums is None else sums)
     return excited.compact[key]
 
 
-def _compact(excited: ExcitedModel, common: dict[int, np.ndarray], root: Component) -> ExcitedModel:
+def _compact(excited: ExcitedModel, common: dict[int, np.ndarray], root: Component, sums: Sums) -> ExcitedModel:
     """The model with the sums of channels that matter, by their covariances."""
     linear = excited.linear
     taken, fields, bases, labels, end = [], [], {}, [], 0
-    responses = _Responses(excited, root)
+    if missing := [k for k in common if k not in sums]:
+        responses = _Responses(excited, root)
+        sums |= {k: responses.sums(k, common[k]) for k in missing}
 
     def keep(columns: slice, factor: np.ndarray | None = None) -> slice:
         """Columns as they are, or mixed; where they come to stand."""
@@ -76,7 +83,7 @@ def _compact(excited: ExcitedModel, common: dict[int, np.ndarray], root: Compone
     for k, (columns, places) in enumerate(excited.fields):
         factor = None
         if k in common:
-            factor, bases[k] = responses.sums(k, common[k])
+            factor, bases[k] = sums[k]
         fields.append((keep(columns, factor), places))
     keep(slice(excited.fields[-1][0].stop, len(linear.inputs)))
 

@@ -23,28 +23,43 @@ def gain_slopes(covariance: np.ndarray, mean: np.ndarray | None = None) -> tuple
     about 1e-8.
     """
     C = np.asarray(covariance, dtype=float)
-    C = (C + C.T) / 2
-    n = len(C)
-    m = np.zeros(n) if mean is None else np.asarray(mean, dtype=float)
-    largest = max(float(np.linalg.eigvalsh(C)[-1]), float(m @ m))
-    if not largest > 0:
-        return np.zeros((n,) * 4), np.zeros((n,) * 3)
-    t = SQUARED / largest
-    weights = DENSITY * np.sqrt(largest)
-    W = np.linalg.inv(np.eye(n) + 2 * t[:, None, None] * C)
-    a = W @ m
-    F = np.sqrt(np.linalg.det(W)) * np.exp(-t * (a @ m))
-    aa = a[:, :, None] * a[:, None, :]
-    inside = 2 * t[:, None, None] * aa - W  # G = 1 + F inside
-    by_F = F[:, None, None] * (2 * (t**2)[:, None, None] * aa - t[:, None, None] * W)  # of F by C
-    by_C = np.einsum("t,tab,tcd->abcd", weights, inside, by_F)
-    turned = np.einsum("t,tac,tdb->abcd", weights * F * 2 * t, W, W)  # F dW with the minus of -F W
-    of_a = np.einsum("t,tac,td,tb->abcd", weights * F * 4 * t**2, W, a, a)  # of a a' by dW m, less its transpose
-    by_C = by_C + turned - of_a - of_a.transpose(1, 0, 2, 3)
-    by_C = (by_C + by_C.transpose(0, 1, 3, 2)) / 2
-    along = np.einsum("t,tab,tk->abk", weights * F * -2 * t, inside, a)
-    moved = np.einsum("t,tak,tb->abk", weights * F * 2 * t, W, a)
-    return by_C, along + moved + moved.transpose(1, 0, 2)
+    m = np.zeros(len(C)) if mean is None else np.asarray(mean, dtype=float)
+    by_covariance, by_mean = stacked_slopes(C[None], m[None])
+    return by_covariance[0], by_mean[0]
+
+
+def stacked_slopes(covariances: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of covariances (k, n, n) and means (k, n): (k, n, n, n, n) and (k, n, n, n)."""
+    C, m = (covariances + covariances.transpose(0, 2, 1)) / 2, means
+    count, n = m.shape
+    largest = np.maximum(np.linalg.eigvalsh(C)[:, -1], (m**2).sum(axis=1))
+    still = ~(largest > 0)
+    largest = np.where(still, 1.0, largest)
+    t = (SQUARED[:, None] / largest).T  # (k, t)
+    weights = DENSITY * np.sqrt(largest)[:, None]
+    tensor = t[:, :, None, None]
+    W = np.linalg.inv(np.eye(n) + 2 * tensor * C[:, None])
+    a = (W @ m[:, None, :, None])[..., 0]
+    F = np.sqrt(np.linalg.det(W)) * np.exp(-t * (a @ m[:, :, None])[..., 0])
+    aa = a[..., :, None] * a[..., None, :]
+    inside = 2 * tensor * aa - W  # G = 1 + F inside
+    by_F = F[:, :, None, None] * (2 * tensor**2 * aa - tensor * W)  # of F by C
+
+    def summed(factor: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """Integral of a factor times the products of all elements of two: (k, elements, elements)."""
+        one, other = (block.reshape(count, t.shape[1], -1) for block in (one, other))
+        return (factor[:, :, None] * one).transpose(0, 2, 1) @ other
+
+    by_C = summed(weights, inside, by_F).reshape(count, n, n, n, n)
+    turned = summed(weights * F * 2 * t, W, W).reshape(count, n, n, n, n).transpose(0, 1, 3, 4, 2)  # a c, d b
+    of_a = summed(weights * F * 4 * t**2, W, aa).reshape(count, n, n, n, n).transpose(0, 1, 4, 2, 3)  # a c, d b
+    by_C = by_C + turned - of_a - of_a.transpose(0, 2, 1, 3, 4)
+    by_C = (by_C + by_C.transpose(0, 1, 2, 4, 3)) / 2
+    along = summed(weights * F * -2 * t, inside, a).reshape(count, n, n, n)
+    moved = summed(weights * F * 2 * t, W, a).reshape(count, n, n, n).transpose(0, 1, 3, 2)  # a k, b
+    by_mean = along + moved + moved.transpose(0, 2, 1, 3)
+    by_C[still], by_mean[still] = 0.0, 0.0
+    return by_C, by_mean
 
 
 def slope_at_mean(mean: np.ndarray, smoothing: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

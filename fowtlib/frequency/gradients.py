@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.analysis.plants import plant_of, refuse_unstable
-from fowtlib.frequency.adjoint import Forcing, RandomResponse, Slopes
+from fowtlib.frequency.adjoint import Asked, Forcing, RandomResponse, Slopes
 from fowtlib.frequency.known_rows import Known
 from fowtlib.frequency.quantities import (
     Mean,
@@ -322,6 +322,7 @@ class _Evaluation:
         means = np.array([float(np.squeeze(value)) for value in self.state.values(prepared.names)])
         driven: list[Slopes | None] = [None] * count
         bars: dict[int, Bars] = {}
+        asked: dict[int, Asked] = {}
         for k, (item, column) in enumerate(zip(prepared.quantities, prepared.columns, strict=True)):
             if isinstance(item, Mean):
                 values[k], weights[k, column] = means[column], 1.0
@@ -335,12 +336,15 @@ class _Evaluation:
                 unit = self.plant.outputs.entry(prepared.names[column]).unit
                 values[k], by_moments, weights[k, column] = with_slopes(item, moments, means[column], unit, slopes)
                 if slopes:
-                    driven[k] = self.response.slopes(column, by_moments, process, self._moved_processes)
-                    bars[k] = driven[k].bars
-                    first = self.excited.results  # the inputs of the laws stand behind the results
-                    weights[k, first : first + driven[k].means.size] = driven[k].means
+                    asked[k] = Asked(column, by_moments, process)
         if not slopes:
             return values, np.zeros((0, 0))
+        if asked:
+            found_of = self.response.slopes(list(asked.values()), self._moved_processes)
+            for k, of in zip(asked, found_of, strict=True):
+                driven[k], bars[k] = of, of.bars
+                first = self.excited.results  # the inputs of the laws stand behind the results
+                weights[k, first : first + of.means.size] = of.means
         partial = self.model.of_outputs(weights).plus(list(bars), self.model.of_matrices(list(bars.values())))
         targets = [prepared.names.index(name) for name in prepared.targets]
         if self.response is not None and self.fields:

@@ -25,7 +25,7 @@ from fowtlib.frequency.corners import covariance, laws_of, reached, warn_of_corn
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Grid, Process, Processes
 from fowtlib.frequency.equivalent import equivalent
-from fowtlib.frequency.few_channels import with_few_channels
+from fowtlib.frequency.few_channels import Sums, with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.known_rows import Known, OfFrequency
 from fowtlib.frequency.products import fed_back
@@ -126,9 +126,13 @@ def response(
             expected, through, alone = None, dict[str, np.ndarray](), False
             if linearisation != TANGENT:
 
-                def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
+                sums: Sums = {}
+
+                def driven(model: ExcitedModel, anew: bool) -> tuple[ExcitedModel, Processes]:
+                    if anew:
+                        sums.clear()
                     if model.rotating.average is not None:
-                        model = with_few_channels(model, root, signals)
+                        model = with_few_channels(model, root, signals, sums)
                     return model, _processes(model, root, signals, known)
 
                 found = equivalent(plant, state, names, driven, given, tolerance, linearisation == QUADRATIC)
@@ -170,7 +174,7 @@ def response(
     found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners,
                      linearisation)  # fmt: skip
     rotation = study.rotation(state, names, excited.rotating)
-    found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
+    found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds, by_states))
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
     if alone:

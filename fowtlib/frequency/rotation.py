@@ -9,12 +9,14 @@ what the tower feels at omega being in a blade at the sum and the difference wit
 steady wind, by gravity, shear, tilt and the dam of the tower, is no random process: it stands beside the others as the
 share `rotation`, with its mean square about each multiple of the rotor speed. Since the speed itself is random, these
 are no lines but bands, and modes answer to each part of them (frequency.lines). The forces are those at the mean speed.
+A rotor that idles lingers at some azimuths (frequency.lingering): then harmonics go together, and means are others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -22,11 +24,12 @@ from fowtlib.analysis.spectra import mean_square_below
 from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.lines import RandomSpeed
+from fowtlib.frequency.lingering import Lingering
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel
 from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
 from fowtlib.solving.rates import rate_states
-from fowtlib.solving.rotation import HARMONICS, Rotation
+from fowtlib.solving.rotation import HARMONICS, Driven, Rotation
 
 ROTATION = "rotation"
 LEAST = 1e-12  # of the largest mean square of a result in a part of the axis
@@ -34,10 +37,14 @@ LEAST = 1e-12  # of the largest mean square of a result in a part of the axis
 
 @dataclass(frozen=True, eq=False)
 class Turned:
-    """How rotors turn in a state: the linear model with its drag, densities (q,) of the speeds [(rad/s)^2/Hz]."""
+    """How rotors turn in a state: the linear model with its drag, densities (q,) of the speeds [(rad/s)^2/Hz].
+
+    by_states: the speeds [rad/s] by the states (rotors, states).
+    """
 
     linear: LinearModel
     speeds: Sequence[np.ndarray]
+    by_states: np.ndarray
 
 
 def speeds_by_states(rotating: RotatingLinearModel) -> np.ndarray:
@@ -73,12 +80,12 @@ def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rota
     for path, H in found.transfer.items():
         for turning in rotating.turning:
             shares[path][list(turning.of)] += turned_spectra(found.frequency, H, found.driving[path], turning)
-    lines = _lines(found.frequency, rotation, turned)
+    lines, shift = _turning_parts(found.frequency, rotation, turned)
     if lines.any():
         shares[ROTATION] = lines
     transfer = {path: H[:, :own] for path, H in found.transfer.items()}
-    return replace(found, outputs=found.outputs[:own], units=found.units[:own], mean=rotation.mean, shares=shares,
-                   transfer=transfer)  # fmt: skip
+    return replace(found, outputs=found.outputs[:own], units=found.units[:own], mean=rotation.mean + shift,
+                   shares=shares, transfer=transfer)  # fmt: skip
 
 
 def turned_spectra(frequency: np.ndarray, H: np.ndarray, S: np.ndarray, turning: Turning) -> np.ndarray:
@@ -123,15 +130,48 @@ def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np
     return np.diff(at, axis=1) / frequency_widths(frequency)
 
 
-def _lines(frequency: np.ndarray, rotation: Rotation, turned: Turned) -> np.ndarray:
-    """Spectra (m, q) of all harmonics."""
-    squares = np.zeros((rotation.mean.size, frequency.size))
-    A, outputs = turned.linear.matrices["A"], turned.linear.matrices["C"][: rotation.mean.size]
-    for driven, density in zip(rotation.driven, turned.speeds, strict=True):
+def _turning_parts(frequency: np.ndarray, rotation: Rotation, turned: Turned) -> tuple[np.ndarray, np.ndarray]:
+    """Spectra (m, q) of all harmonics, and what lingering rotors add to the means (m,)."""
+    m = rotation.mean.size
+    squares, shift = np.zeros((frequency.size, m)), np.zeros(m)
+    A, C = turned.linear.matrices["A"], turned.linear.matrices["C"][:m]
+    for driven, density, row in zip(rotation.driven, turned.speeds, turned.by_states, strict=True):
         speed = RandomSpeed(driven.speed, frequency, density)
-        for n in range(1, HARMONICS + 1):
-            line = speed.line(n)
-            c = driven.harmonic(n, line.omega, A, outputs)
-            np.add.at(squares.T, line.where, 2 * np.abs(c) ** 2 * line.share[:, None])
+        outputs, own = np.vstack([C, row]), _with_speed(driven)
+        lines = [speed.line(n) for n in range(1, HARMONICS + 1)]
+        answers = [own.harmonic(n, line.omega, A, outputs) for n, line in enumerate(lines, 1)]
+        speeds = np.array([line.share @ c[:, m] for line, c in zip(lines, answers, strict=True)])
+        lingering = Lingering(speed, speeds)
+        if lingering.matters:
+            more, mean = _of_lingering(frequency, lingering, partial(own.harmonic, A=A, outputs=outputs))
+            squares, shift = squares + more[:, :m], shift + mean[:m]
+            continue
+        for line, c in zip(lines, answers, strict=True):
+            np.add.at(squares, line.where, 2 * np.abs(c[:, :m]) ** 2 * line.share[:, None])
+    squares = squares.T
     kept = squares > LEAST * squares.max(axis=1, initial=0.0)[:, None]
-    return np.where(kept, squares, 0.0) / frequency_widths(frequency)
+    return np.where(kept, squares, 0.0) / frequency_widths(frequency), shift
+
+
+def _with_speed(driven: Driven) -> Driven:
+    """With one more result, which has only what the states have: the speed of the rotor."""
+    none = np.zeros((1, driven.outputs.shape[1]))
+    return replace(driven, direct=np.hstack([driven.direct, np.zeros((len(driven.direct), 1))]),
+                   outputs=np.vstack([driven.outputs, none]), turning=np.vstack([driven.turning, none]))  # fmt: skip
+
+
+def _of_lingering(frequency: np.ndarray, lingering: Lingering, harmonic: Callable[[int, np.ndarray], np.ndarray],
+                  ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Mean squares (q, m) of results by the parts of the axis, and means (m,); harmonic: see Driven.harmonic."""
+    q, edges = frequency.size, _edges(frequency)
+    omega = 2 * np.pi * np.concatenate([-frequency[::-1], frequency])
+    answers = {n: harmonic(n, omega) for n in range(1, lingering.orders + 1)}
+    answers |= {-n: c[::-1].conj() for n, c in answers.items()} | {0: np.zeros_like(answers[1])}
+    squares = np.zeros(answers[0].shape)
+    for orders, covariance in lingering.spectra(np.concatenate([-edges[::-1], edges])):
+        by_order = np.stack([answers[n] for n in orders.tolist()], axis=1)  # (2 q, k, m)
+        parts = np.delete(covariance, q, axis=0)  # what lies between the lowest frequency and its negative one
+        squares += ((parts.transpose(0, 2, 1) @ by_order) * by_order.conj()).sum(axis=1).real
+    slowest = np.array([(answers[n][q - 1] + answers[n][q]) / 2 for n in range(1, lingering.orders + 1)])
+    mean = 2 * (lingering.means[1 : lingering.orders + 1] @ slowest).real
+    return squares[q:] + squares[q - 1 :: -1], mean

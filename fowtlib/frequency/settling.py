@@ -31,11 +31,13 @@ THINNED = 8  # of so many frequencies one, to measure it
 
 
 def settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None, tolerance: float,
-                  start: Sequence[np.ndarray] | None = None) -> tuple[list[np.ndarray], Grid, int]:  # fmt: skip
+                  start: Sequence[np.ndarray] | None = None,
+                  rough: bool = False) -> tuple[list[np.ndarray], Grid, int]:  # fmt: skip
     """The gains of drag that suit the response with them, the frequencies, and the count of iterations.
 
     start: gains that are near, as those of another sea. A coarse grid serves until the gains change little, then the
-    final one of the modes that the model has with them. SimulationError where they do not settle.
+    final one of the modes that the model has with them. rough: the coarse one is the final one.
+    SimulationError where they do not settle.
     """
     means = [excited.means[place] for _, place in excited.laws]
     guess = gains_of([GUESS**2 * np.eye(len(mean)) for mean in means], means)
@@ -43,11 +45,11 @@ def settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.nda
     if start is None:
         refuse_unstable(excited.with_gains(gains))
     if not excited.laws:
-        chosen = frequencies_about(eigenvalues(excited.linear.matrices["A"])) if frequency is None else frequency
+        chosen = _chosen(excited, gains, coarse=rough) if frequency is None else frequency
         return gains, Grid.of(excited, processes, chosen), 1
     highest = HIGHEST if frequency is None else frequency[-1]
     model = excited.slow(2 * np.pi * FAST * highest)
-    final = frequency is not None
+    final = rough or frequency is not None
     grid = Grid.of(model, processes, _chosen(model, guess, coarse=True) if frequency is None else frequency)
     mixing, last = Mixing(), np.inf
     for iteration in range(1, ITERATIONS + 1):

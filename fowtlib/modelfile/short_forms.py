@@ -180,7 +180,7 @@ _DIRECTION = {"direction": Key("direction", "deg")}
 _HEADING = {"heading": Key("heading", "deg"), "misalignment": Key("misalignment", "deg")}
 _AIM = ("heading", "misalignment")
 _HEIGHTS = {"Hs50": Key("height_50", "m"), "Hs1": Key("height_1", "m"), **_PERIOD}
-_IRREGULAR = {"gamma": Key("gamma"), "seed": Key("seed", "#"), **_HEADING}
+_IRREGULAR = {"gamma": Key("gamma"), "seed": Key("seed", "#"), "spreading": Key("spreading"), **_HEADING}
 
 WIND = Condition(
     "--wind",
@@ -250,6 +250,7 @@ WIND = Condition(
                 **_CLASS,
                 "intensity": Key("turbulence_intensity"),
                 "model": Key("turbulence_model", "", choices=("ntm", "etm")),
+                "spectrum": Key("field_spectrum", "", choices=("kaimal", "von_karman")),
                 "wind_class": Key("wind_class", "", choices=("I", "II", "III")),
                 "seed": Key("seed", "#"),
                 "spacing": Key("point_spacing", "m"),

@@ -13,6 +13,8 @@ from fowtlib.solving.engines.base import Engine
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 
+NONE = "So there is no equilibrium: where nothing would change any more the model breaks this condition."
+
 
 def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True, rest: bool = False) -> None:
     """SimulationError where a condition of level "error" is broken; with `warn`, a warning for each of that level.
@@ -27,7 +29,7 @@ def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True
     for i in sorted(numbers.tolist(), key=lambda i: at.dae.checks[i].level):  # errors first
         text, level = broken(at, i, model, *point) + ".", at.dae.checks[i].level
         if level == "error" or (rest and level == "rest"):
-            raise SimulationError(text)
+            raise SimulationError(f"{text} {NONE}" if rest and level == "error" else text)
         if warn and level == "warning":
             warnings.warn(text, stacklevel=4)
 

@@ -22,7 +22,7 @@ from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
-from fowtlib.solving.real_modes import RealModes
+from fowtlib.solving.real_modes import FewFunctions, RealModes
 from fowtlib.solving.results.html import table
 from fowtlib.solving.results.linear_files import OperatingPoint, write_lin
 from fowtlib.solving.state import State
@@ -59,6 +59,7 @@ class Further:
 
 
 NOTHING = Further()
+FAST = 2.0  # times the highest frequency; functions of roots above it are put together
 
 
 @dataclass(frozen=True)
@@ -320,6 +321,11 @@ class Resolvent:
     def functions(self) -> np.ndarray:
         """Those of the real modes, where there are any."""
         return self.modes.functions(self.omega)
+
+    @cached_property
+    def few(self) -> FewFunctions:
+        """What these are sums of."""
+        return FewFunctions.made(self.functions, self.modes.faster(FAST * self.omega.max()))
 
     @cached_property
     def _shares(self) -> np.ndarray:

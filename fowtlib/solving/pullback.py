@@ -23,6 +23,7 @@ from scipy import sparse
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.tables import SplineFunction
+from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.differences import derivative
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import csc
@@ -52,7 +53,7 @@ class _Torn:
         self.jacobian = ca.Function("jacobian", self._arguments, [jacobian[:, : self.nv], jacobian[:, self.nv :]])
 
     @cached_property
-    def _second(self) -> tuple[np.ndarray, np.ndarray, list[tuple[ca.Function, np.ndarray]]]:
+    def _second(self) -> tuple[np.ndarray, np.ndarray, list[tuple[Arrays, np.ndarray]]]:
         """Rows and columns of the entries, and gradients by [v; w] of sums of some of them times weights, and which."""
         jacobian = ca.jacobian(self._rows, self._both[self._moving.tolist()])
         row, column = (np.array(numbers, dtype=int) for numbers in jacobian.sparsity().get_triplet())
@@ -62,7 +63,7 @@ class _Torn:
             which = np.flatnonzero(chosen)
             weights = ca.SX.sym("weights", which.size)
             slope = ca.gradient(ca.dot(weights, entries[which.tolist()]), self._both)
-            made.append((ca.Function("second", [*self._arguments, weights], [ca.densify(slope)]), which))
+            made.append((Arrays(ca.Function("second", [*self._arguments, weights], [ca.densify(slope)])), which))
         return row, column, made
 
     def pulled(self, point: list[np.ndarray], directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -71,13 +72,30 @@ class _Torn:
         if not np.any(weights):
             return total
         row, column, made = self._second
-        moved = sparse.csr_matrix(directions[self._moving])
-        for k, weight in enumerate(weights):
-            entries = (moved @ weight.T)[column, row]
-            for second, which in made:
-                if np.any(entries[which]):
-                    total[:, k] += second(*point, entries[which]).full().ravel()
+        entries = _entries(weights, directions[self._moving], row, column)
+        for second, which in made:
+            for k in np.flatnonzero(entries[:, which].any(axis=1)):
+                total[:, k] += second.entries(*point, entries[k, which])[0]
         return total
+
+
+def _entries(weights: np.ndarray, moved: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Of products of weights (k, rows, c) and moved' (c, n) the elements at rows and columns: (k, elements).
+
+    Most of what moves does so in one direction alone.
+    """
+    count = np.count_nonzero(moved, axis=1)
+    alone, several = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
+    place = np.full(len(moved), -1)
+    place[alone] = np.argmax(moved[alone] != 0, axis=1)
+    found = np.zeros((len(weights), row.size))
+    at = np.flatnonzero(place[column] >= 0)
+    found[:, at] = weights[:, row[at], place[column[at]]] * moved[column[at], place[column[at]]]
+    if several.size:
+        place[:], place[several] = -1, np.arange(several.size)
+        at = np.flatnonzero(place[column] >= 0)
+        found[:, at] = (weights @ moved[several].T)[:, row[at], place[column[at]]]
+    return found
 
 
 class Pullback:

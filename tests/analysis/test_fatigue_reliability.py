@@ -11,8 +11,10 @@ from fowtlib.analysis.fatigue import (
     FatigueReliability,
     InspectedReliability,
     Inspection,
+    break_even_inspection,
     equivalent_factor,
     factor_for,
+    present_value,
 )
 from fowtlib.language.errors import ModelError
 
@@ -100,6 +102,28 @@ def test_what_an_inspection_tells():
     found = [InspectedReliability(welds, times, Inspection(depth=depth)).reliability_index(20)
              for times, depth in (([], 0.45), ([10], 5.0), ([10], 0.45), ([10, 15], 0.45))]  # fmt: skip
     assert np.all(np.diff(found) > 0.01)
+
+
+def test_what_inspections_are_worth_today_by_geometric_series():
+    r = 1.05**-2
+    assert present_value(range(2, 20, 2)) == pytest.approx(r * (1 - r**9) / (1 - r), rel=1e-12)  # 9 in life
+    assert present_value([5, 10, 15], 0.0) == 3 and present_value([]) == 0
+
+
+def test_below_the_break_even_the_design_with_inspections_is_cheaper():
+    """Factors 1, 2, 3 with 9, 3 and no inspections (J.M. Hegseth, NTNU 2020:356, section 4.4: 0.21, 0.65 MEUR)."""
+    nine, three = range(2, 20, 2), [5, 10, 15]
+    first, second = (0.21 * (present_value(nine) - present_value(three)), 0.65 * present_value(three))
+    assert break_even_inspection(first, nine, three) == pytest.approx(0.21)
+    assert break_even_inspection(second, three) == pytest.approx(0.65)
+    steel = np.array([0.0, first, first + second])
+    for cost, cheapest in ((0.20, 0), (0.22, 1), (0.64, 1), (0.66, 2)):
+        whole = steel + cost * np.array([present_value(nine), present_value(three), 0.0])
+        assert whole.argmin() == cheapest
+    with pytest.raises(ModelError, match="no more inspections"):
+        break_even_inspection(1.0, three, nine)
+    with pytest.raises(ModelError, match="years are 0 or later"):
+        present_value([-1.0])
 
 
 def test_a_clean_weld_by_bayes():

@@ -8,7 +8,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import FixedTranslation, Prismatic, RigidBody, SpringDamper
-from fowtlib.design.calibration import calibrate
+from fowtlib.design.calibration import CalibrationStopped, calibrate
 from fowtlib.language import Component, Scalar, der, eq, outer, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ModelError, ParameterError
@@ -99,6 +99,28 @@ def test_differences_give_the_same(plant, record, monkeypatch):
     for name in names:
         assert found[name].value == pytest.approx(exact[name].value, abs=1e-2 * exact[name].error)
         assert found[name].error == pytest.approx(exact[name].error, rel=1e-2)
+
+
+def test_what_was_found_until_it_is_stopped_is_told(plant, record, monkeypatch):
+    """Stopped in its fifth simulation; another fit that begins with the values so far ends where the whole one does."""
+    whole = calibrate(plant, record, list(TRUE), release="heave")
+    asked, simulate = [], type(plant).simulate
+
+    def stopped(self, *given, **options):
+        asked.append(1)
+        if len(asked) == 5:
+            raise KeyboardInterrupt
+        return simulate(self, *given, **options)
+
+    monkeypatch.setattr(type(plant), "simulate", stopped)
+    with pytest.raises(CalibrationStopped) as stop:
+        calibrate(plant, record, list(TRUE), release="heave")
+    assert set(stop.value.values) == set(TRUE) and stop.value.units["spring.stiffness"] == "N/m"
+    assert stop.value.left < max(whole.left_before.values())
+    again = calibrate(plant, record, list(TRUE), release="heave", parameters=stop.value.values)
+    assert [float(one.value) for one in again.estimates] == pytest.approx(
+        [float(one.value) for one in whole.estimates], rel=1e-4
+    )
 
 
 def test_a_picture_and_a_table(plant, record, tmp_path):

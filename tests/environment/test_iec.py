@@ -41,6 +41,16 @@ def test_turbulence_classes(name, intensity):
     assert iec.normal_turbulence(4.0, name) == pytest.approx(intensity * 8.6)
 
 
+@pytest.mark.parametrize(
+    ("wind", "printed", "exact"),
+    [(11, 0.18, 0.176), (13, 0.17, 0.165), (21, 0.14, 0.142), (25, 0.14, 0.136), (36, 0.13, 0.127), (50, 0.12, 0.121)],
+)
+def test_turbulence_of_published_states(wind, printed, exact):
+    """Intensities of class B in the tables of Hegseth et al. (2019 to 2021), to the two digits printed."""
+    found = iec.normal_turbulence(float(wind), "B") / wind
+    assert round(found, 2) == printed and found == pytest.approx(exact, abs=6e-4)
+
+
 def test_the_distribution_of_the_turbulence():
     """C = 0.14 * 14.55, k = 5.45 at 15 m/s, where I_ref is the 70 % quantile; the 90 % one is about sigma_1."""
     assert iec.turbulence_distribution(15.0, "B") == pytest.approx((2.037, 5.45))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fowtlib.components.environment.disc_turbulence import ring_shares, turning_density
-from fowtlib.components.environment.turbulence import coherence, kaimal
+from fowtlib.components.environment.turbulence import PlaneCoherence, coherence, kaimal
 
 RADII, SPEED = np.array([15.0, 40.0, 60.0]), 12.0
 
@@ -31,6 +31,15 @@ def test_slow_eddies_are_felt_whole_and_small_ones_are_averaged():
     whole, small = ring_shares([1e-6, 2.0], RADII, [0], lambda f, d: np.exp(-12 * f * d / SPEED))[:, 0]
     assert np.diag(whole) == pytest.approx(np.ones(3), abs=2e-3)
     assert np.diag(small).max() < 0.06
+
+
+@pytest.mark.parametrize("speed", [0.003, 2.0, 12.0, 60.0])
+def test_one_table_over_the_decay_of_coherence_stands_for_all_mean_speeds(speed):
+    """Beside the coherence itself at the frequencies of each speed; at 3 mm/s it decays faster than the table goes."""
+    omega, ways = np.geomspace(0.01, 10.0, 60), [PlaneCoherence(speed, 90.0), lambda f, r: coherence(f, r, speed)]
+    for weights in (np.array([[0.2, 0.3, 0.5]]), None):  # of one sum, and of each ring
+        found, wanted = (turning_density(omega, RADII, 1.2, spectrum, of, uniform=weights, once=weights) for of in ways)
+        assert np.abs(found - wanted).max() < 1e-13 * np.abs(wanted).max()
 
 
 def test_a_rotor_at_rest_and_one_of_very_many_blades_feel_the_mean_of_the_ring():

@@ -176,6 +176,49 @@ def test_what_follows_a_corner_has_its_half_and_what_hangs_on_it_has_its_own_slo
     assert found.std("squared") == pytest.approx(2 * s / np.sqrt(2 * np.pi) * found.std("late"), rel=0.02)
 
 
+class Slow(Filter):
+    """The filter with an actuator that follows x within 0.05 s, with 0.1 of x in a second at most."""
+
+    behind: Scalar = var(start=0.0, doc="follows x")
+
+    def equations(self):
+        return [*super().equations(), eq(der(self.behind), m.fmin(m.fmax((self.x - self.behind) / 0.05, -0.1), 0.1))]
+
+
+def test_an_actuator_stands_where_its_law_puts_it_however_far_the_limit_of_its_rate_lets_that_be():
+    """Points stand up to 6 away from it, and a step of its rate over its pace of 20 1/s is 1/200 there."""
+    root = fw.Assembly("filters")
+    root.one = Slow(lead=4.0)
+    found = fw.response(fw.Model(root, outputs={name: f"one.{name}" for name in ("x", "behind")}), frequencies=GRID,
+                        linearisation="equivalent")  # fmt: skip
+    assert found.mean == pytest.approx([4.0, 4.0], abs=1e-6)  # points lie in pairs
+    assert found.std("behind") == pytest.approx(found.std("x"), rel=0.03)  # within 0.05 s: 5 % of the variance lags
+
+
+class Bent(Filter):
+    """The filter and what a curved equation makes of x, as the shape of a line follows its end."""
+
+    bend: Scalar = var(start=0.0, doc="with its cube it is x")
+
+    def equations(self):
+        return [*super().equations(), eq(self.bend**3 + self.bend, self.x)]
+
+
+def test_an_unknown_has_the_mean_and_the_slope_of_where_its_equation_puts_it():
+    """Of x = m + s n, n normal: E h and E dh/dx = E 1/(1 + 3 h^2) of h^3 + h = x, by Hermite's quadrature."""
+    root = fw.Assembly("filters")
+    root.one = Bent(lead=1.0)
+    found = fw.response(fw.Model(root, outputs={name: f"one.{name}" for name in ("x", "bend")}), frequencies=GRID,
+                        linearisation="equivalent")  # fmt: skip
+    n, weights = np.polynomial.hermite_e.hermegauss(200)
+    h = np.array([brentq(lambda h, x=x: h**3 + h - x, -9.0, 9.0) for x in 1.0 + found.std("x") * n])
+    weights /= weights.sum()
+    slope = weights @ (1 / (1 + 3 * h**2))
+    assert found.mean[1] == pytest.approx(weights @ h, rel=0.01)  # 512 points
+    assert found.std("bend") / found.std("x") == pytest.approx(slope, rel=0.01)
+    assert abs(1 / (weights @ (1 + 3 * h**2)) / slope - 1) > 0.2  # what one over the mean slope of the equation is
+
+
 @pytest.mark.parametrize("lead", [0.0, 2.0])
 def test_a_product_of_two_has_their_covariance_as_its_mean(lead):
     """Of x and what follows it within 1 s: covariance s^2/2, slopes those at the means, which are `lead` both."""

@@ -24,6 +24,7 @@ from fowtlib.frequency import (
     response,
 )
 from fowtlib.frequency.adjoint import _alike
+from fowtlib.frequency.common_sums import _alone, _by_products
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.language import (
     Component,
@@ -159,13 +160,14 @@ def test_drag_that_rounding_keeps_from_settling(monkeypatch, noise, settles):
     from fowtlib.frequency import adjoint
 
     quiet = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID).values()
-    exact, sides = adjoint.gains_of, itertools.cycle((1, -1))
+    sides = itertools.cycle((1, -1))
 
-    def noisy(*of):
-        side = next(sides)
-        return [gain * (1 + noise * side) for gain in exact(*of)]
+    class Noisy(adjoint.Grid):
+        def gains(self, gains):
+            side = next(sides)
+            return [gain * (1 + noise * side) for gain in super().gains(gains)]
 
-    monkeypatch.setattr(adjoint, "gains_of", noisy)
+    monkeypatch.setattr(adjoint, "Grid", Noisy)
     prepared = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID)
     if settles:
         assert prepared.values() == pytest.approx(quiet, rel=noise)
@@ -542,6 +544,29 @@ def test_the_sizes_of_an_elastic_spar(elastic_spar):
     one, two = (4 * b - a) / 3, (4 * c - b) / 3
     # the gains of drag are known to 1e-9: 1e-6 of the last of these differences
     np.testing.assert_allclose(jacobian @ direction, (16 * two - one) / 15, rtol=3e-6)
+
+
+def test_results_together_have_the_slopes_of_one_after_the_other(elastic_spar, monkeypatch):
+    """Of all processes, and of one alone: by sums that all have in common, and each by itself."""
+    spar, found = elastic_spar[0], []
+    results = [Std("pitch", "sea"), "max upwind_tension", Std("tower_base_moment", "wind")]
+    by = ["hull_diameters", "tower_walls", "rna.turbine.rotor.radius"]
+    prepared = PreparedGradient(spar.plant, results, by, parameters=spar.given, frequencies=spar.frequencies)
+    for many in (np.inf, 1):
+        monkeypatch.setattr("fowtlib.frequency.adjoint.MANY", many)
+        found.append(prepared.evaluate()[1] * prepared.start)
+    alone, together = found
+    assert np.abs((together - alone) / np.abs(alone).max(axis=1, keepdims=True)).max() < 1e-8  # see below
+
+
+def test_sums_of_functions_times_products():
+    """One function after the other, and from the products at each frequency, against the sums as they are written."""
+    random = np.random.default_rng(4)
+    values, rows, columns = (random.standard_normal(size) + 1j * random.standard_normal(size)
+                             for size in ((3, 40), (4, 40, 2), (40, 2, 5)))  # fmt: skip
+    wanted = np.einsum("fq,iqk,qkc->fic", values.conj(), rows, columns).real
+    for sums in (_alone, _by_products):
+        np.testing.assert_allclose(sums(values, rows, columns), wanted, rtol=1e-12, atol=1e-12)
 
 
 def test_sizes_that_move_at_once_have_the_slopes_of_one_after_the_other(elastic_spar, monkeypatch):

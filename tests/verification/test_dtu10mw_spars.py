@@ -95,11 +95,13 @@ def test_pitch(rest, spar, pitch):
     assert nearest(rest[spar][0], pitch) == pytest.approx(pitch, rel=0.015)
 
 
-@pytest.mark.parametrize("spar, on_top, at_its_height", [(1, 2.42, 2.48), (2, 1.85, 1.92), (3, 1.25, 1.31)])
-def test_bending(plants, rest, spar, on_top, at_its_height):
-    # printed with the mass on the top of the tower; 1.4 to 1.9 % around both computed with finite elements
+@pytest.mark.parametrize(
+    "spar, on_top, at_its_height, rel", [(1, 2.42, 2.48, 0.015), (2, 1.85, 1.92, 0.015), (3, 1.25, 1.31, 0.02)]
+)
+def test_bending(plants, rest, spar, on_top, at_its_height, rel):
+    # printed with the mass on the top of the tower; of spar 3 finite elements have 0.8 to 1.6 % more than printed
     values, _ = periods(plants[spar], CALM | ON_TOP)
-    assert nearest(values, on_top) == pytest.approx(on_top, rel=0.02)
+    assert nearest(values, on_top) == pytest.approx(on_top, rel=rel)
     assert nearest(rest[spar][0], at_its_height) == pytest.approx(at_its_height, rel=5e-3)
 
 

@@ -40,12 +40,12 @@ Transfer = Callable[..., ArrayLike]
 
 
 class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity", "acceleration")):
-    """Long-crested linear waves in finite depth; parts that the sea moves find it by `sea: Sea = outer(Sea)`.
+    """Linear waves in finite depth; parts that the sea moves find it by `sea: Sea = outer(Sea)`.
 
     elevation = sum_k a_k cos(omega_k t - k_k (x cos(heading) + y sin(heading)) + phase_k). A kind of sea gives the
-    amplitudes and phases as numbers: `components()`. They are computed when a run starts, and stand in no equation, so
-    that the sea of a compiled model may be another one in every run. `build_up` lets the waves grow from nothing after
-    t = 0, so that a run can start from rest without a shock.
+    amplitudes and phases as numbers: `components()`, and, where it is short-crested, directions. They are computed when
+    a run starts, and stand in no equation, so that the sea of a compiled model may be another one in every run.
+    `build_up` lets the waves grow from nothing after t = 0, so that a run can start from rest without a shock.
     """
 
     spectrum: str = param(default="still", bound=True, doc="kind of sea state")
@@ -85,9 +85,13 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
             return float(self.heading)
         return float(self.misalignment + the_wind(self, "misalignment").parameter_value("direction"))
 
-    def water(self) -> tuple[float, float, float]:
-        """Depth [m], heading [rad] and gravity [m/s^2], by which all harmonics of this sea go."""
-        return float(self.world.water_depth), self.wave_heading(), float(self.world.gravity)
+    def headings(self) -> tuple[float, ...]:
+        """Directions [rad] in which waves travel: one, or those that a short-crested sea is shared among."""
+        return (self.wave_heading(),)
+
+    def water(self) -> tuple[float, tuple[float, ...], float]:
+        """Depth [m], headings [rad] and gravity [m/s^2], by which all harmonics of this sea go."""
+        return float(self.world.water_depth), self.headings(), float(self.world.gravity)
 
     def in_the_mean(self) -> dict[str, Any]:
         """Still water."""
@@ -101,7 +105,11 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         """Warn of a sea that cannot be; called when a run starts."""
 
     def spectral_density(self, omega: ArrayLike) -> np.ndarray:
-        """One-sided spectrum [m^2 s/rad] of the elevation at omega [rad/s]; zero where the sea has none."""
+        """One-sided spectrum [m^2 s/rad] of the elevation at omega [rad/s]; zero where the sea has none.
+
+        Of a short-crested sea the spectra of its `headings`, (..., headings, headings); they add up to that of the
+        elevation.
+        """
         return np.zeros(np.shape(omega))
 
     def signal(
@@ -154,24 +162,32 @@ class WaveSignals:
     def __call__(self, part: Component) -> Series | None:
         sea = self.process(part)
         waves = sea.components()
-        return _series(waves, self._table(waves, part), sea.parameter_value("build_up")) if len(waves) else None
+        if not len(waves):
+            return None
+        table = waves.by_direction(lambda alike: self._table(alike, part))
+        return _series(waves, table, sea.parameter_value("build_up"))
 
     def process(self, part: Component) -> Any:
         return [part, *part.enclosing()][-1].find(self.path)
 
     def response(self, part: Component, omega: np.ndarray) -> np.ndarray:
-        return self._table(unit_waves(omega, *self.besides(part)), part)[:, :, None]
+        return np.stack([self._table(waves, part) for waves in self._unit_waves(omega, part)], axis=-1)
 
     def numbers(self, part: Component) -> np.ndarray | None:
         found = getattr(self.transfer, "numbers", None)
         return None if found is None else found(part)
 
-    def besides(self, part: Component) -> tuple[float, float, float]:
+    def besides(self, part: Component) -> tuple[float, tuple[float, ...], float]:
         sea = self.process(part)
         return value_of(sea, "water", sea.water)
 
     def slopes(self, part: Component, omega: np.ndarray, moved: np.ndarray) -> np.ndarray:
-        return self.transfer.slopes(unit_waves(omega, *self.besides(part)), part, moved)[..., None]
+        slopes = [self.transfer.slopes(waves, part, moved) for waves in self._unit_waves(omega, part)]
+        return np.stack(slopes, axis=-1)
+
+    def _unit_waves(self, omega: np.ndarray, part: Component) -> list[WaveComponents]:
+        depth, headings, gravity = self.besides(part)
+        return [unit_waves(omega, depth, heading, gravity) for heading in headings]
 
     def _table(self, waves: WaveComponents, part: Component) -> np.ndarray:
         return waves.columns(self.transfer(waves, part) if self.wants_part else self.transfer(waves))
@@ -188,7 +204,8 @@ def the_wind(sea: Sea, needed_by: str) -> Wind:
 
 def _water(sea: Sea) -> shapes.Water:
     waves = sea.components()
-    harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
+    along = np.cos(waves.directions) if waves.directions is not None else 1.0  # as on the line along the heading
+    harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number * along)
     return shapes.Water(sea.world.water_depth, *harmonics, heading=waves.heading, build_up=sea.build_up)
 
 

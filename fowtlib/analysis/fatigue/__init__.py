@@ -14,8 +14,10 @@ from fowtlib.analysis.fatigue.reliability import (
     FatigueReliability,
     InspectedReliability,
     Inspection,
+    break_even_inspection,
     equivalent_factor,
     factor_for,
+    present_value,
 )
 from fowtlib.analysis.fatigue.spectral import RangeDistribution, dirlik, narrow_band, tovo_benasciutti
 from fowtlib.analysis.fatigue.tube import TubeDamage, TubeSection, tube_damage
@@ -30,6 +32,7 @@ __all__ = [
     "SNCurve",
     "TubeDamage",
     "TubeSection",
+    "break_even_inspection",
     "damage_equivalent_load",
     "dirlik",
     "equivalent_factor",
@@ -38,6 +41,7 @@ __all__ = [
     "lifetime_damage",
     "lifetime_equivalent_load",
     "narrow_band",
+    "present_value",
     "rainflow_cycles",
     "sn_curve",
     "sn_curves",

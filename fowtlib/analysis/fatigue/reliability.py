@@ -230,6 +230,27 @@ class InspectedReliability:
         return float(-ndtri(self.failure_probability(time)))
 
 
+def present_value(years: Sequence[float], interest: float = 0.05) -> float:
+    """What payments of 1 after these years are worth today, at a real rate of interest: sum of (1 + interest)^-t."""
+    given = np.asarray(list(years), dtype=float)
+    if np.any(given < 0) or not interest > -1 or not np.all(np.isfinite([*given, interest])):
+        raise ModelError("years are 0 or later, and an interest is a share such as 0.05.")
+    return float(np.sum((1.0 + interest) ** -given))
+
+
+def break_even_inspection(saved: float, inspections: Sequence[float], instead_of: Sequence[float] = (),
+                          interest: float = 0.05) -> float:  # fmt: skip
+    """Cost of one inspection up to which a design that needs more of them is the cheaper one.
+
+    saved: what it costs less to build than the other design; inspections and instead_of: the years in which it and the
+    other one are inspected. The result is in the unit of `saved`. ModelError where it has not more inspections.
+    """
+    more = present_value(inspections, interest) - present_value(instead_of, interest)
+    if not more > 0:
+        raise ModelError("the design that costs less to build has no more inspections; it is the cheaper one anyway.")
+    return saved / more
+
+
 def _with_factor(like: FatigueReliability, factor: float, welds: int | None = None) -> FatigueReliability:
     return replace(like, factor=factor, welds=welds or like.welds)
 

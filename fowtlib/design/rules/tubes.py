@@ -21,6 +21,7 @@ from fowtlib.design.rules.ring import Ring, panel_ring
 from fowtlib.design.rules.shell import cylinder_stress, hoop_stress, shell_buckling
 from fowtlib.design.rules.tower import tower_buckling
 from fowtlib.design.splines import basis
+from fowtlib.language.errors import ModelError
 
 YEARS_20 = 20 * 365.25 * 86400.0
 
@@ -209,6 +210,23 @@ def unevenness(heights: Any, values: Any) -> Any:
     (low, high), (below, above) = between(column(heights)), between(column(values))
     first, second = between((above - below) / (high - low))
     return total((second - first) ** 2)
+
+
+def sizes_at(heights: Any, known_heights: Any, known_sizes: Any) -> Any:
+    """Sizes [m] at heights, linear between those that are known and on along the outermost pieces: walls by depth.
+
+    known_heights are numbers that grow (ModelError otherwise). Slopes have a step at each of them.
+    """
+    z, size = np.asarray(known_heights, dtype=float), np.asarray(known_sizes, dtype=float)
+    demand_nodes("sizes", heights=z, sizes=size)
+    if np.any(np.diff(z) <= 0):
+        raise ModelError("sizes at heights: those that are known are given from the lowest to the highest.")
+    slopes = np.diff(size) / np.diff(z)
+    at = column(heights)
+    found = size[0] + slopes[0] * (at - z[0])
+    for height, bend in zip(z[1:-1], np.diff(slopes), strict=True):
+        found = found + bend * (larger(at, height) - height)  # of heights, so that a kink is rounded off over some
+    return found
 
 
 def spar_heave_period(heights: Any, diameters: Any, line_load: Any = 0.0, line_stiffness: Any = 0.0, *,

@@ -42,6 +42,7 @@ PANELS: tuple[tuple[str, ...], ...] = (
 # The least range of an axis: a part of the value, and an amount by its unit; smaller changes are not magnified.
 LEAST_RANGE = 0.02
 LEAST_RANGES = {"m": 0.1, "deg": 0.1, "rad": 0.002, "rpm": 0.1, "m/s": 0.1, "1": 1e-3, "-": 1e-3}
+CROWDED, BESIDE = 8, 16  # spectra from which the legend of a panel stands beside it, and that have room there in 2.5 in
 
 
 def plot_result(
@@ -184,15 +185,17 @@ def plot_spectra(
     highest = max([0.5, *map(_reach, spectra)]) if highest is None else highest
     units = list(dict.fromkeys(spectrum.unit for spectrum in spectra))
     with drawing_style():
-        figure = drawing(7.5, 0.6 + 2.5 * len(units))
-        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, (axis, unit) in enumerate(zip(axes, units, strict=True)):
-            members = [spectrum for spectrum in spectra if spectrum.unit == unit]
+        panels = [[spectrum for spectrum in spectra if spectrum.unit == unit] for unit in units]
+        heights = [2.5 * max(1.0, len(members) / BESIDE) for members in panels]
+        figure = drawing(7.5, 0.6 + sum(heights))
+        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+        for panel, (axis, unit, members) in enumerate(zip(axes, units, panels, strict=True)):
             top = 0.0
             for index, spectrum in enumerate(members):
                 seen = (spectrum.frequency > 0) & (spectrum.frequency <= highest)
                 label = spectrum.name.replace("_", " ")
-                axis.plot(spectrum.frequency[seen], spectrum.density[seen], color=_color(index), label=label, lw=1.0)
+                style = {"color": _color(index), "linestyle": ("-", "--", ":", "-.")[index // len(COLORS) % 4]}
+                axis.plot(spectrum.frequency[seen], spectrum.density[seen], label=label, lw=1.0, **style)
                 top = max(top, float(spectrum.density[seen].max()))
             if panel == 0:
                 for index, (label, target) in enumerate((targets or {}).items()):
@@ -205,7 +208,10 @@ def plot_spectra(
                 axis.set_ylim(bottom=0.0)
             axis.set_xlim(0.0, highest)
             axis.set_ylabel(f"density [{_squared(unit)}/Hz]")
-            axis.legend(loc="upper right", ncols=2)
+            if len(members) > CROWDED:
+                axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7.0)
+            else:
+                axis.legend(loc="upper right", ncols=2)
         axes[-1].set_xlabel("frequency [Hz]")
     return save_figure(figure, path)
 

@@ -94,6 +94,22 @@ def test_a_straight_cone_is_even_and_a_kink_counts_by_its_square():
     assert float(rules.unevenness(z, ca.DM(teeth))) == pytest.approx((-0.05 - 0.1) ** 2 + (0.025 + 0.05) ** 2)
 
 
+def test_sizes_at_heights_are_linear_between_those_that_are_known_and_go_on():
+    at = np.array([-80.0, -47.5, -10.0, 4.0])
+    assert rules.sizes_at(at, Z, T) == pytest.approx(np.interp(at, Z, T), rel=1e-14)
+    below, above = T[0] - 5 * (T[1] - T[0]) / 20, T[-1] + 2 * (T[-1] - T[-2]) / 10
+    assert rules.sizes_at([-85.0, 12.0], Z, T) == pytest.approx([below, above], rel=1e-14)
+    z = ca.MX.sym("z", 4)
+    found = ca.Function("t", [z], [rules.sizes_at(z, Z, T), ca.diag(ca.jacobian(rules.sizes_at(z, Z, T), z))])(at + 1.0)
+    assert np.ravel(found[0]) == pytest.approx(np.interp(at + 1.0, Z, T), rel=1e-14)
+    pieces = np.diff(T) / np.diff(Z)
+    assert np.ravel(found[1]) == pytest.approx(pieces[[0, 1, 3, 4]], rel=1e-12)
+    with pytest.raises(fw.ModelError, match="heights 6, sizes 5"):
+        rules.sizes_at(at, Z, T[1:])
+    with pytest.raises(fw.ModelError, match="from the lowest to the highest"):
+        rules.sizes_at(at, Z[::-1], T)
+
+
 @pytest.mark.parametrize("which", ["diameters", "walls"])
 def test_expressions_have_the_values_and_slopes_of_numbers(which):
     x = ca.MX.sym("x", 6)
