@@ -131,7 +131,7 @@ class Model:
         title = self.title or self.name or "model"
         dae = flat(self.root)
         dimensions = dimensions_of(self.root, dae)
-        faults, warned = broken_at_start(dae, bind(dae, self.root), self.name)
+        faults, warned = broken_at_start(dae, bind(dae, self.root), self.name, self.settings.get("start", "file"))
         try:
             check_settings(self.settings)
         except ParameterError as error:
