@@ -95,7 +95,7 @@ class Model:
         statement = self.settings.get("equilibrium")
         if not statement:
             return self
-        rest = dict(copy.copy(self.settings))
+        rest = dict(self.settings)
         del rest["equilibrium"]
         plant = replace(self, settings=rest).compile()
         try:
