@@ -20,14 +20,16 @@ def ends_above_seabed(depth, anchor, fairlead):
     ]  # fmt: skip
 
 
+TOO_SHORT = (
+    "the line is too short: its ends are {apart} m apart and it is {length} m long, so that it is stretched by "
+    "{strain} of its length, more than its greatest_strain. Take a longer line, or move its anchor"
+)
+
+
 def long_enough(line, length):
     """A line of this length reaches from end to end; however it hangs, it is stretched by the rest on the average."""
-    apart = m.norm(line.fairlead.r - line.anchor.r)
-    strain = line.intact * (apart / length - 1)
-    return assert_(strain < line.greatest_strain, "the line is too short: its ends are {apart} m apart and it is "
-                   "{length} m long, so that it is stretched by {strain} of its length, and by greatest_strain = "
-                   "{limit} at most. Take a longer line, or move its anchor", apart=apart, length=length,
-                   strain=strain, limit=line.greatest_strain)  # fmt: skip
+    strain = line.intact * (m.norm(line.fairlead.r - line.anchor.r) / length - 1)
+    return assert_(strain < line.greatest_strain, TOO_SHORT, strain=strain, length=length, apart=(1 + strain) * length)
 
 
 def hold_anchor(line, load):

@@ -140,14 +140,13 @@ def _limits(line, V_anchor):
                 "is taken as constant up to greatest_strain = {limit}. Its ends are {apart} m apart, it is {length} m "
                 "long", strain=strain, limit=line.greatest_strain, length=line.length,
                 apart=m.sqrt(line.distance**2 + line.rise**2)),
-        long_enough(line, line.length),
         assert_(peak <= m.fmax(m.fmax(anchor, fairlead), 0), "the line rises to the surface between its "
                 "ends; a line that floats there is not modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
         assert_(line.tension >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
         assert_(strain < line.greatest_strain / 2, "the line is stretched by {strain} of its length, more than half of "
                 "greatest_strain", "warning", strain=strain),
-        *breaking,
+        long_enough(line, line.length), *breaking,
     ]  # fmt: skip
 
 

@@ -93,10 +93,8 @@ def _limits(tendon: Tendon, half):
         assert_(tendon.distance > 1e-9, "the two ends of the tendon meet, so its direction is undetermined"),
         assert_(tendon.fairlead.r[2] > -tendon.world.water_depth, "the fairlead is at {z} m, below the seabed at "
                 "{seabed} m", z=tendon.fairlead.r[2], seabed=-tendon.world.water_depth),
-        assert_(strain < tendon.greatest_strain, "the tendon is stretched by {strain} of its length; its axial "
-                "stiffness is taken as constant up to greatest_strain = {limit}. Its ends are {distance} m apart, "
-                "unstretched it is {unstretched} m long", strain=strain, limit=tendon.greatest_strain,
-                distance=tendon.distance, unstretched=tendon.unstretched),
+        assert_(strain < tendon.greatest_strain, "the tendon is stretched by {strain} of its length, and its axial "
+                "stiffness is constant up to {limit}", strain=strain, limit=tendon.greatest_strain),
         assert_(tendon.slack_events < 0.5, "the tendon went slack at t = {time} s", "warning", time=tendon.first_slack),
         assert_(m.logic_not(m.if_else(tendon.slack_events > 0.5, 0, slack)), "the tendon is slack from the start on, "
                 "by {tension} N", "warning", tension=tendon.least_tension),

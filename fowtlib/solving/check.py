@@ -14,6 +14,7 @@ from fowtlib.solving.checks import broken
 from fowtlib.solving.functions import Functions
 from fowtlib.solving.initial import freed_states
 from fowtlib.solving.layout import Layout
+from fowtlib.solving.rates import rate_states
 
 
 @dataclass(frozen=True)
@@ -53,17 +54,20 @@ class ModelReport:
         return "\n  ".join([f"{self.title}: {'nothing wrong.' if self.ok else ''}".rstrip(), *counts])
 
 
-def broken_at_start(dae: FlatDAE, binding: Binding, model: str) -> tuple[list[str], list[str]]:
+def broken_at_start(dae: FlatDAE, binding: Binding, model: str, start: str = "file") -> tuple[list[str], list[str]]:
     """The conditions of its parts that do not hold at the start values of a model: errors, and warnings.
 
     Of those that follow from what is known there without solving: from states with values of their own, discrete
     variables, inputs and parameters. So the places of the ends of a line are judged, and not its tension, where that is
-    found by iteration. The mean position, from which a run may start instead, can be another place.
+    found by iteration. start: the word of the model file, see solving.starts. Where a run begins in the mean position
+    the start values are no more than where that is sought from: a broken condition is a warning at most.
     """
     if not dae.checks:
         return [], []
     at = Functions(dae).at(binding)
     x, z, d = at.start_values()
+    if start == "rest":
+        x[list(rate_states(dae).values())] = 0.0
     q = np.concatenate([Layout(dae).inputs(), d])
     free = freed_states(dae, set())[1] if dae.initial_equations.shape[0] else []
     unknown = ca.vertcat(dae.x[free], dae.z, dae.w)
@@ -78,7 +82,7 @@ def broken_at_start(dae: FlatDAE, binding: Binding, model: str) -> tuple[list[st
     for k in np.array(known)[np.array(values).ravel() == 0].tolist():
         if dae.checks[k].level in found:
             found[dae.checks[k].level].append(f"at the start values, {broken(at, k, model, 0.0, x, z, q)}")
-    return found["error"], found["warning"]
+    return (found["error"], found["warning"]) if start in ("file", "rest") else ([], found["error"])
 
 
 def _n(number: float, word: str) -> str:

@@ -157,21 +157,23 @@ def _least_moved(rest: Rest, values: np.ndarray, start: np.ndarray) -> np.ndarra
     from scipy import linalg  # slow to import
 
     slopes = rest.dense_slopes(values)
-    size = np.linalg.norm(slopes, axis=1)
-    scaled = slopes / np.where(size > 0, size, 1.0)[:, None]
+    rows = np.linalg.norm(slopes, axis=1)  # newtons beside metres
+    rows[rows == 0] = 1.0
+    scaled = slopes / rows[:, None]
     if not np.isfinite(scaled).all() or np.abs(np.diag(linalg.lu(scaled, permute_l=True)[1])).min() > NEUTRAL:
         return values
     _, shares, ways = linalg.svd(scaled)
     ways = ways[shares < NEUTRAL * shares[0]].T
     moved = values + ways @ linalg.lstsq(ways[: start.size], start - values[: start.size])[0]
     for _ in range(8):  # Newton, which leaves alone what nothing holds
-        step = -linalg.lstsq(rest.dense_slopes(moved), rest.rates(moved), cond=NEUTRAL)[0]
+        slopes, rates = rest.dense_slopes(moved) / rows[:, None], rest.rates(moved)
+        if not (np.isfinite(slopes).all() and np.isfinite(rates).all()):
+            return values
+        step = -linalg.lstsq(slopes, rates / rows, cond=NEUTRAL)[0]
         step -= ways @ (ways.T @ step)
         moved = moved + step
-        if not np.isfinite(moved).all():
-            return values
         if np.max(np.abs(step) / (1.0 + np.abs(moved))) < 1e-11:
-            held = np.abs(rest.rates(moved)).max() <= max(1e-9, np.abs(rest.rates(values)).max())
+            held = np.abs(rest.rates(moved) / rows).max() <= max(1e-9, np.abs(rest.rates(values) / rows).max())
             return moved if held else values
     return values
 

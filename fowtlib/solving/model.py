@@ -20,6 +20,7 @@ from fowtlib.solving.engines.choice import check_settings
 from fowtlib.solving.paths import spread_out
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
+from fowtlib.solving.settings import without
 from fowtlib.solving.starts import mean_parameters, mean_values
 
 # What is known of the root of a model besides its parts: title, outputs, settings, name.
@@ -95,8 +96,7 @@ class Model:
         statement = self.settings.get("equilibrium")
         if not statement:
             return self
-        rest = dict(copy.copy(self.settings))
-        del rest["equilibrium"]
+        rest = without(self.settings, "equilibrium")
         plant = replace(self, settings=rest).compile()
         try:
             mean = mean_parameters(plant, statement.get("set"))
@@ -131,7 +131,7 @@ class Model:
         title = self.title or self.name or "model"
         dae = flat(self.root)
         dimensions = dimensions_of(self.root, dae)
-        faults, warned = broken_at_start(dae, bind(dae, self.root), self.name)
+        faults, warned = broken_at_start(dae, bind(dae, self.root), self.name, self.settings.get("start", "file"))
         try:
             check_settings(self.settings)
         except ParameterError as error:

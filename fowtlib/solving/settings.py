@@ -31,6 +31,12 @@ def place_of(settings: Mapping[str, Any], *keys: str) -> str:
     return next((places[key] for key in keys if key in settings and key in places), "")
 
 
+def without(settings: Mapping[str, Any], key: str) -> Settings:
+    """The same settings but one."""
+    places = settings.places if isinstance(settings, Settings) else {}
+    return Settings({name: value for name, value in settings.items() if name != key}, places)
+
+
 def duration_settings(
     t_end: Any, output_step: Any, tolerance: Any, settings: Mapping[str, Any]
 ) -> tuple[float, float, float]:

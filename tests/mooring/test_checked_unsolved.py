@@ -59,6 +59,16 @@ def test_an_end_below_the_seabed_is_told_before_a_run():
     assert model.check().faults == ("at the start values, line: the fairlead is at -150 m, below the seabed at -120 m",)
 
 
+def test_a_run_from_the_mean_position_is_not_judged_by_its_start_values():
+    """They are where the mean is sought from alone, and it may lie where the line reaches."""
+    model = between("catenary", SHORT["catenary"])
+    model.settings["start"] = "equilibrium"
+    report = model.check()
+    assert report.ok and [remark for remark in report.remarks if f"line: {TOO_SHORT}" in remark]
+    model.settings["start"] = "rest"
+    assert not model.check().ok
+
+
 def test_what_a_run_would_warn_of_is_a_remark():
     report = between("tendon", 101.0).check()
     assert report.ok and any("slack from the start on" in remark for remark in report.remarks)

@@ -36,9 +36,21 @@ def test_what_nothing_holds_keeps_its_start(begin, push):
     assert state["part.filtered"] == pytest.approx(begin, abs=1e-12)
 
 
-def test_a_rotor_in_still_air_starts_at_rest():
+@pytest.mark.parametrize(
+    ("name", "rotors"),
+    [("oc3_spar_rigid", ["turbine"]), ("two_rotor_spar_rigid", ["turbine_left", "turbine_right"])],
+)
+def test_a_rotor_in_still_air_starts_at_rest(name, rotors):
     """The platform tips by the weight of its turbine on its way to the mean, and air goes through its rotor."""
     still = {"wind.kind": "steady", "wind.mean_speed": 0.0, "sea.spectrum": "still"}
-    state = fw.load("oc3_spar_rigid").compile().equilibrium(still)
-    assert abs(state["turbine.rotor.w"]) < 1e-9  # rad/s; 0.0068 by the transient
-    assert -0.1 < np.degrees(state["platform.motion.pitch"]) < -0.03
+    plant = fw.load(name).compile()
+    mean = plant.equilibrium(still)
+    run = plant.simulate(20.0, 5.0, parameters=still, start=mean)
+    for rotor in rotors:
+        assert abs(mean[f"{rotor}.rotor.w"]) < 1e-9  # rad/s; 0.0068 and 0.0755 by the transient
+        np.testing.assert_allclose(run[f"{rotor}.rotor.w"], 0.0, atol=1e-9)
+    for motion in ("surge", "heave", "pitch"):  # m, rad; it stays there
+        held = f"platform.motion.{motion}"
+        np.testing.assert_allclose(run[held], mean[held], rtol=0, atol=1e-6)
+    if name == "oc3_spar_rigid":
+        assert -0.1 < np.degrees(mean["platform.motion.pitch"]) < -0.03
