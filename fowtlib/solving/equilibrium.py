@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from scipy import sparse
 
 
-NEUTRAL = 1e-9  # of the largest slope, scaled: less holds nothing
-
-
 def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
     """Paths of what makes the equations depend on time: components with time functions, or the equations themselves.
 
@@ -72,8 +69,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
 
     Implicit Euler steps of growing length follow the transient to an equilibrium (pseudo-transient continuation, C. T.
     Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508); Newton finishes. Ignorable coordinates, such as the
-    angle of a turning shaft, keep their value; and so does what nothing holds there, such as the speed of a rotor in
-    air that does not move.
+    angle of a turning shaft, keep their value.
     """
     dae = at.dae
     refuse_time(at, q)
@@ -84,7 +80,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     if not solution.converged:
         _refuse_turning(dae, moving, values[: len(moving)] - x[moving])
         raise SimulationError(failure_text(dae, _renamed(solution, moving, dae), "no equilibrium found"))
-    return rest.unpack(_least_moved(rest, solution.values, x[moving]))
+    return rest.unpack(solution.values)
 
 
 @dataclass(frozen=True)
@@ -144,38 +140,6 @@ class Rest:
         found = np.concatenate(rows), np.concatenate(columns)
         kept = np.flatnonzero((found[0] >= 0) & (found[1] >= 0))
         return kept, found[0][kept], found[1][kept]
-
-
-def _least_moved(rest: Rest, values: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Of all equilibria beside this one, that whose states are nearest to their start.
-
-    Where the slopes are singular there is a line of them, or more, and the transient that leads to one leaves its mark:
-    a platform that swings on its way to its place would leave a rotor turning.
-    """
-    if not values.size or values.size > DENSE:
-        return values
-    from scipy import linalg  # slow to import
-
-    slopes = rest.dense_slopes(values)
-    rows = np.linalg.norm(slopes, axis=1)  # newtons beside metres
-    rows[rows == 0] = 1.0
-    scaled = slopes / rows[:, None]
-    if not np.isfinite(scaled).all() or np.abs(np.diag(linalg.lu(scaled, permute_l=True)[1])).min() > NEUTRAL:
-        return values
-    _, shares, ways = linalg.svd(scaled)
-    ways = ways[shares < NEUTRAL * shares[0]].T
-    moved = values + ways @ linalg.lstsq(ways[: start.size], start - values[: start.size])[0]
-    for _ in range(8):  # Newton, which leaves alone what nothing holds
-        slopes, rates = rest.dense_slopes(moved) / rows[:, None], rest.rates(moved)
-        if not (np.isfinite(slopes).all() and np.isfinite(rates).all()):
-            return values
-        step = -linalg.lstsq(slopes, rates / rows, cond=NEUTRAL)[0]
-        step -= ways @ (ways.T @ step)
-        moved = moved + step
-        if np.max(np.abs(step) / (1.0 + np.abs(moved))) < 1e-11:
-            held = np.abs(rest.rates(moved) / rows).max() <= max(1e-9, np.abs(rest.rates(values) / rows).max())
-            return moved if held else values
-    return values
 
 
 def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> Rest:
