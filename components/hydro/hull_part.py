@@ -63,6 +63,16 @@ class HullStrips:
     drag_area: Floats
 
 
+def strip_rule(count: int) -> tuple[Floats, Floats]:
+    """Points and weights, from -1 to 1, by which the volume between two marks is known to a rule of so many strips."""
+    return _gauss_rule(count + 2)
+
+
+def strip_marks(heights: Floats, low: float, high: float) -> Floats:
+    """Heights [m] from `low` to `high` between which the diameter is linear."""
+    return np.concatenate([[low], heights[(heights > low) & (heights < high)], [high]])
+
+
 @cache
 def _gauss_rule(count: int) -> tuple[Floats, Floats]:
     return np.polynomial.legendre.leggauss(count)
@@ -79,8 +89,8 @@ def hull_strips(heights: ArrayLike, diameters: ArrayLike, low: float, high: floa
 @lru_cache(maxsize=KEPT)
 def _strips_between(heights: bytes, diameters: bytes, low: float, high: float, count: int) -> HullStrips:
     heights, diameters = np.frombuffer(heights), np.frombuffer(diameters)
-    marks = np.concatenate([[low], heights[(heights > low) & (heights < high)], [high]])
-    x, w = _gauss_rule(count + 2)
+    marks = strip_marks(heights, low, high)
+    x, w = strip_rule(count)
     middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
     z, length = (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
     volume = np.pi / 4 * np.interp(z, heights, diameters) ** 2 * length

@@ -9,6 +9,7 @@ import numpy as np
 
 from fowtlib.components.environment.waves import WaveComponents
 from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart, diffraction_coefficient, diffraction_slope
+from fowtlib.components.hydro.hull_part_slopes import HullPartSlopes, Tangent
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,11 @@ class WaterAtStrips:
         found: HullPart = part.numbers()
         places = found.places.ravel()
         return places if self.what == "velocity" else np.concatenate([places, found.widths, [found.added]])
+
+    def number_slopes(self, part: Any, tangent: Tangent) -> Floats:
+        """Changes (their count, m) of these numbers, where the parameters of the part change by tangents."""
+        found = HullPartSlopes.along(part.numbers(), part, tangent)
+        return found.places if self.what == "velocity" else np.vstack([found.places, found.widths, found.added])
 
     def slopes(self, waves: WaveComponents, part: Any, moved: Floats) -> Complexes:
         """Slopes (m, n, 3 k) of the signals along m changes of these numbers (m, their count)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart
+from fowtlib.components.hydro.hull_part_slopes import HullPartSlopes, Tangent
 from fowtlib.components.hydro.hull_waves import WaterAtStrips
 from fowtlib.components.hydro.linear_loads import LARGEST_TILT, PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
@@ -76,7 +78,7 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
 
     def equations(self):
         count = _HEAD + _PER_STRIP * self.strips
-        numbers = at_start("strips", count, "", "buoyancy of this part of the hull, and its strips", _numbers)
+        numbers = at_start("strips", count, "", "buoyancy of this part of the hull, and its strips", _StripNumbers())
         wet, lengthwise, frame = _strips(self, numbers), m.vertcat(0, 0, 1), self.frame
         force, moment = self._buoyancy(numbers, lengthwise)
         water, acceleration = (self._water(name, len(wet)) for name in ("velocity", "acceleration"))
@@ -164,9 +166,16 @@ def _checked(part: SlenderHullLoads) -> HullPart:
     return found
 
 
-def _numbers(part: SlenderHullLoads) -> Floats:
-    found = _checked(part)
-    return np.concatenate([found.head, found.rows.ravel()])
+@dataclass(frozen=True)
+class _StripNumbers:
+    """What a part computes when a run starts, and its slopes; see `fowtlib.solving.closed_slopes`."""
+
+    def __call__(self, part: SlenderHullLoads) -> Floats:
+        found = _checked(part)
+        return np.concatenate([found.head, found.rows.ravel()])
+
+    def slopes(self, part: SlenderHullLoads, tangent: Tangent) -> Floats:
+        return HullPartSlopes.along(part.numbers(), part, tangent).numbers
 
 
 def _strips(part: SlenderHullLoads, numbers) -> list[Strip]:

@@ -98,7 +98,7 @@ def divide(
     else:
         hinges, flexibility = _gauss(beam, count, 0.0, beam.length, quadrature == "free_tip")
     bounds = np.concatenate([[0.0], hinges, [beam.length]])
-    segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    segments = _segments(beam, bounds)
     stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
     points, axes = elastic_axis(beam, hinges), section_axes(beam, hinges)
     return Division(
@@ -133,24 +133,30 @@ def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -
     s = np.clip(given, 0.0, beam.length)
     for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
         raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
-    found, order, last = [], np.argsort(s, kind="stable").tolist(), len(division.segments) - 1
+    found, order, last = list[tuple[str, Any, int, int]](), np.argsort(s, kind="stable").tolist(), len(division.s)
+    bounds = list[float]()
     for i, segment in enumerate(division.segments):
         root = division.points[i - 1] if i else np.zeros(3)
         within = [k for k in order if segment.start <= s[k] < segment.end or (i == last and s[k] == segment.end)]
-        bounds = [segment.start, *s[within], segment.end]
-        parts = [_segment(beam, a, b) for a, b in zip(bounds, bounds[1:], strict=False)] if within else [segment]
-        found.append(Piece(f"segment_{i}", root, parts[0], hinge=i))
-        for k, part in zip(within, parts[1:], strict=True):
-            found.append(Piece(f"beyond_cut_{k + 1}", elastic_axis(beam, s[k]), part, cut=int(k) + 1))
-    return tuple(found)
+        bounds += [segment.start, *s[within].tolist()]
+        found.append((f"segment_{i}", root, i, 0))
+        found += [(f"beyond_cut_{k + 1}", elastic_axis(beam, s[k]), 0, k + 1) for k in within]
+    parts = division.segments if len(found) == last + 1 else _segments(beam, np.array([*bounds, beam.length]))
+    return tuple(Piece(name, root, part, hinge=hinge, cut=cut)
+                 for (name, root, hinge, cut), part in zip(found, parts, strict=True))  # fmt: skip
 
 
 def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Points and weights from a to b that respect the kinks of the table: 4 Gauss points in each piece."""
     stations = beam.distances
-    marks = np.concatenate([[a], stations[stations.searchsorted(a, "right") : stations.searchsorted(b)], [b]])
+    within = stations[stations.searchsorted(a, "right") : stations.searchsorted(b)]
+    return _points(np.concatenate([[a], within, [b]]), pieces)
+
+
+def _points(marks: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights between marks: 4 Gauss points in each of so many pieces between two of them."""
     parts = (marks[1:] - marks[:-1])[:, None] / pieces
-    edges = np.concatenate([(marks[:-1, None] + parts * np.arange(pieces)).ravel(), [b]])
+    edges = np.concatenate([(marks[:-1, None] + parts * np.arange(pieces)).ravel(), marks[-1:]])
     x, w = GAUSS
     middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
@@ -180,11 +186,38 @@ def _between_stations(
             f"quadrature 'stations' shares the hinges among the {number} pieces between stations; {count} hinges are "
             f"no multiple of {number}."
         )
+    if count == number:
+        return _one_each(beam, np.array(marks))
     rules = [_gauss(beam, count // number, a, b) for a, b in zip(marks, marks[1:], strict=False)]
     known = [name for name in STIFFNESSES if getattr(beam, name) is not None]
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
     flexibility |= {name: np.concatenate([found[name] for _, found in rules]) for name in known}
     return np.concatenate([nodes for nodes, _ in rules]), flexibility
+
+
+def _one_each(beam: BeamProperties, marks: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+    """The same with one point in each piece, all pieces at once: the centre of the weight."""
+    s, w, first, _ = _along(beam, marks, pieces=4)
+    stiffness = {name: beam.at(name, s) for name in STIFFNESSES if getattr(beam, name) is not None}
+    weight = w / np.sqrt(stiffness["stiffness_x"] * stiffness["stiffness_y"])
+    flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
+    flexibility |= {name: np.add.reduceat(w / here, first) for name, here in stiffness.items()}
+    return np.add.reduceat(weight * s, first) / np.add.reduceat(weight, first), flexibility
+
+
+def _along(
+    beam: BeamProperties, bounds: np.ndarray, pieces: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points and weights as of `_quadrature`, from each bound (n,) to the next that is beyond it.
+
+    And the number of the first point of each of these, and of the bounds at which they begin.
+    """
+    begin = np.flatnonzero(np.diff(bounds) > 0)
+    starts, end = bounds[begin], bounds[-1]
+    stations = beam.distances
+    marks = np.union1d([*starts, end], stations[(stations > starts[0]) & (stations < end)])
+    s, w = _points(marks, pieces)
+    return s, w, np.searchsorted(marks, starts) * (pieces * len(GAUSS[0])), begin
 
 
 def _gauss(
@@ -252,11 +285,11 @@ def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:
     return np.stack([x, np.cross(tangent, x), tangent], axis=-1)
 
 
-def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
-    """Mass, centre and inertia of the beam between a and b."""
-    straight = _is_straight(beam)
-    key = ("segment", straight, *_within(beam, LYING, a, b)) if straight else None
-    return _KNOWN(key, lambda: _straight(beam, a, b)) if straight else _bent(beam, a, b)
+def _segments(beam: BeamProperties, bounds: np.ndarray) -> list[Segment]:
+    """Mass, centre and inertia of the beam from each bound to the next."""
+    if _is_straight(beam):
+        return _straight(beam, bounds)
+    return [_bent(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
 
 
 def _bent(beam: BeamProperties, a: float, b: float) -> Segment:
@@ -287,14 +320,24 @@ def _is_straight(beam: BeamProperties) -> bool:
     return not any(np.any(getattr(beam, name)) for name in OFF_AXIS)
 
 
-def _straight(beam: BeamProperties, a: float, b: float) -> Segment:
-    s, w = _quadrature(beam, a, b, pieces=2)
+def _straight(beam: BeamProperties, bounds: np.ndarray) -> list[Segment]:
+    """The same, all at once."""
+    s, w, first, begin = _along(beam, bounds, pieces=2)
+    count = len(bounds) - 1
+    total, height, inertia = np.zeros(count), bounds[:-1].copy(), np.zeros((count, 3, 3))
     mass = w * beam.at("mass_per_length", s)
-    total = mass.sum()
-    height = mass @ s / total if total > 0 else s.mean()
-    across = mass @ (s - height) ** 2
-    x, y = (float(w @ beam.at(name, s)) for name in LYING[1:])
-    return Segment(a, b, float(total), np.array([0.0, 0.0, height]), np.diag([across + y, across + x, x + y]))
+    total[begin] = here = np.add.reduceat(mass, first)
+    middle = (bounds[begin] + bounds[begin + 1]) / 2
+    height[begin] = np.where(here > 0, np.add.reduceat(mass * s, first) / np.where(here > 0, here, 1.0), middle)
+    sizes = np.diff(np.append(first, len(s)))
+    across = np.add.reduceat(mass * (s - np.repeat(height[begin], sizes)) ** 2, first)
+    x, y = (np.add.reduceat(w * beam.at(name, s), first) for name in LYING[1:])
+    for k, moment in enumerate((across + y, across + x, x + y)):
+        inertia[begin, k, k] = moment
+    centre = np.zeros((count, 3))
+    centre[:, 2] = height
+    ends = bounds.tolist()
+    return [Segment(*item) for item in zip(ends[:-1], ends[1:], total.tolist(), centre, inertia, strict=True)]
 
 
 def _within(beam: BeamProperties, names: tuple[str, ...], a: float, b: float) -> tuple[Any, ...]:

@@ -49,6 +49,7 @@ class SignalSlopes:
         everywhere = run.asked(omega)
         for signal, known in zip(self.signals, self.known, strict=True):
             self._prepare(signal, known, everywhere)
+        self._learn_closed()
         self._learn_together()
 
     def of(self, item: Tuned) -> Mapping[int, np.ndarray]:
@@ -69,6 +70,21 @@ class SignalSlopes:
                 signal.besides(tree)
         there = There(everywhere, here, numbers, frozenset(join(*place) for place in read))
         known.there, known.before, known.slopes, known.apart = there, known.mattered, {}, None
+
+    def _learn_closed(self) -> None:
+        """Slopes of those signals whose numbers say how they change with the parameters of their part."""
+        tangents, items = self.run.tangents(), self.run.by_arithmetic
+        for k, known in enumerate(self.known):
+            asked = [(column, item) for column, item in enumerate(items) if item.name not in known.slopes
+                     and item.path in known.paths and known.there.through(item)]  # fmt: skip
+            if not asked:
+                continue
+            with self.run.beside().here() as (tree, _):
+                found = self.signals[k].number_slopes(tree, tangents)
+            if found is not None:
+                slopes = {item.name: found[:, column] for column, item in asked}
+                self._keep(k, {name: slope if slope.any() else None for name, slope in slopes.items()
+                               if np.isfinite(slope).all()}, few=True)  # fmt: skip
 
     def _learn_together(self) -> None:
         """Slopes by those elements of which it is known to which signals they mattered before."""

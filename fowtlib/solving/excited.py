@@ -62,6 +62,11 @@ class Signal:
         known = getattr(self.compute, "numbers", None)
         return None if known is None else known(self._component(root))
 
+    def number_slopes(self, root: Component, tangent: Any) -> np.ndarray | None:
+        """Changes (n, m) of these numbers, where parameters change by tangents; None: only differences know them."""
+        known = getattr(self.compute, "number_slopes", None)
+        return None if known is None else known(self._component(root), tangent)
+
     def besides(self, root: Component) -> Any:
         """What else signals with such numbers follow from."""
         return self.compute.besides(self._component(root))

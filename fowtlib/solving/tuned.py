@@ -28,6 +28,7 @@ from fowtlib.language.units import to_si
 from fowtlib.solving.beside import Beside
 from fowtlib.solving.binding import RunTrees, start_numbers, tree_with
 from fowtlib.solving.bindings import Common
+from fowtlib.solving.closed_slopes import Tangents
 from fowtlib.solving.differences import SHORT, derivative
 from fowtlib.solving.known_slopes import Contents, Known, KnownSlopes, contents_of
 from fowtlib.solving.paths import by_path, spread_out
@@ -163,6 +164,8 @@ class TunedRun:
         self._work: _Work = plant.functions.once("tuned runs", lambda: _Work(plant))
         self._beside: dict[bool, Beside] = {}
         self._found: dict[str, Known] = {}
+        self._from: dict[str, list[str]] = {}
+        self._started: dict[str, np.ndarray] = {}
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -328,16 +331,22 @@ class TunedRun:
         used, used_w = np.any(p != 0, axis=0), np.any(w != 0, axis=0)
         found = np.zeros((len(p), len(self.elements)))
         if self.plant.root is not None:
-            self._learn_together(counting := self._counting(used))
+            self._learn_closed(counting := self._counting(used))
+            self._learn_together(counting)
         for column, item in enumerate(self.elements):
             if item.tunable and self.plant.root is None:
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
-            elif item.tunable and self._acts_alone(item):
+            elif item.name in self._alone:
                 found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
                 found[:, column] += self._through_numbers(item, p, counting)
             else:
                 found[:, column] = self._through_all(item, p, w, used_w, t)
         return found
+
+    @cached_property
+    def _alone(self) -> frozenset[str]:
+        """Names of the tunable elements of which that is so."""
+        return frozenset(item.name for item in self.elements if item.tunable and self._acts_alone(item))
 
     def _acts_alone(self, item: Tuned) -> bool:
         """Whether the parameters of the mean are those of the run in it, and no data behind a handle follow from it."""
@@ -356,12 +365,16 @@ class TunedRun:
 
     def _asked(self, item: Tuned, counting: frozenset[str]) -> dict[str, Known]:
         """Other parameters, and numbers, that are computed from an element, of those that count."""
-        followers = self._followers(item)
-        read = {item.path, *followers}
-        asked = [path for path in followers if path in counting]
-        asked += [path for path in self._numbers
-                  if path in counting and not read.isdisjoint(self.binding.reads.get(path, ()))]  # fmt: skip
-        return {path: self._known(path) for path in asked}
+        return {path: self._known(path) for path in self._computed_from(item) if path in counting}
+
+    def _computed_from(self, item: Tuned) -> list[str]:
+        """Paths of all of them."""
+        if item.path not in self._from:
+            followers = self._followers(item)
+            read = {item.path, *followers}
+            numbers = [path for path in self._numbers if not read.isdisjoint(self.binding.reads.get(path, ()))]
+            self._from[item.path] = [*followers, *numbers]
+        return self._from[item.path]
 
     def _counting(self, used: np.ndarray) -> frozenset[str]:
         """Paths of parameters and numbers on which results depend, of which it is said for each entry of p."""
@@ -378,12 +391,62 @@ class TunedRun:
                 found += p[:, self._place(path)] @ slope
         return found
 
+    @cached_property
+    def by_arithmetic(self) -> list[Tuned]:
+        """Elements by which slopes of other parameters may follow from arithmetic; see `tangents`."""
+        return [item for item in self.elements if item.name in self._alone]
+
+    def tangents(self) -> Tangents:
+        """Changes of values of parameters along these elements, on a tree of this run or of its mean."""
+        return Tangents([(item.path, item.number) for item in self.by_arithmetic], self._start_slopes)
+
+    def _start_slopes(self, path: str, numbers: np.ndarray) -> np.ndarray | None:
+        """Slopes (n, m) by these elements of what a part computes at the start; None where that are other numbers."""
+        if path not in self._numbers or not np.array_equal(numbers, self.binding.p[self._place(path)]):
+            return None
+        if path not in self._started:
+            self._learn_together(frozenset([path]))
+            found, one = np.zeros((len(numbers), len(self.by_arithmetic))), self._known(path)
+            for column, item in enumerate(self.by_arithmetic):
+                if path not in self._computed_from(item):
+                    continue
+                if item.name not in one.slopes:
+                    self._learn(item, {path: one})
+                if (slope := one.slopes[item.name]) is not None:
+                    found[:, column] = slope
+            self._started[path] = found
+        return self._started[path]
+
+    def _learn_closed(self, counting: frozenset[str]) -> None:
+        """Slopes that are arithmetic, or that parts say of their numbers; see solving.closed_slopes."""
+        asked: dict[str, list[tuple[int, Tuned]]] = {}
+        for column, item in enumerate(self.by_arithmetic):
+            for path, one in self._asked(item, counting).items():
+                if item.name not in one.slopes:
+                    asked.setdefault(path, []).append((column, item))
+        tangents = self.tangents()
+        for path, items in asked.items():
+            bound = self.plant.dae.bound.get(path)
+            slopes = None if bound is None else getattr(bound.compute, "slopes", None)
+            if path in self.binding.sources or (bound is not None and slopes is None):
+                continue
+            one = self._known(path)
+            self._meet(path, one)
+            with self.beside(of_mean=True).here() as (tree, _):
+                owner, _, name = path.rpartition(".")
+                found = tangents(tree.find(owner), name) if slopes is None else slopes(tree.find(bound.owner), tangents)
+            if found.shape != (np.size(self.binding.p[self._place(path)]), len(self.by_arithmetic)):
+                continue
+            for column, item in items:
+                if np.all(np.isfinite(slope := found[:, column])):
+                    one.slopes[item.name] = slope.copy() if slope.any() else None
+
     def _learn_together(self, counting: frozenset[str]) -> None:
         """Slopes by those elements of which it is known what they mattered to before."""
         steps: dict[str, float] = {}
         asked: dict[str, dict[str, Known]] = {}
         for item in self.elements:
-            if not self.moves_freely(item, of_mean=True) or not self._acts_alone(item):
+            if item.name not in self._alone or not self.moves_freely(item, of_mean=True):
                 continue
             known = {path: one for path, one in self._asked(item, counting).items() if item.name not in one.slopes}
             if known and all(item.name in one.before for one in known.values()):

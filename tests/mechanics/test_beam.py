@@ -408,7 +408,7 @@ def test_a_straight_segment_is_a_bent_one_without_bends():
     columns = {name: 1 + rng.random(7) for name in ("mass_per_length", "rotary_inertia_x", "rotary_inertia_y")}
     beam = BeamProperties(np.sort(10 * rng.random(7)), stiffness_x=1.0, stiffness_y=2.0, **columns)
     for a, b in [(0.0, beam.length), (0.31 * beam.length, 0.33 * beam.length)]:
-        one, other = _straight(beam, a, b), _bent(beam, a, b)
+        one, other = _straight(beam, np.array([a, b]))[0], _bent(beam, a, b)
         assert one.mass == pytest.approx(other.mass, rel=1e-14)
         np.testing.assert_allclose(one.centre, other.centre, atol=1e-13)
         np.testing.assert_allclose(one.inertia, other.inertia, rtol=1e-12, atol=1e-12)

@@ -177,6 +177,10 @@ class WaveSignals:
         found = getattr(self.transfer, "numbers", None)
         return None if found is None else found(part)
 
+    def number_slopes(self, part: Component, tangent: Any) -> np.ndarray | None:
+        found = getattr(self.transfer, "number_slopes", None)
+        return None if found is None else found(part, tangent)
+
     def besides(self, part: Component) -> tuple[float, tuple[float, ...], float]:
         sea = self.process(part)
         return value_of(sea, "water", sea.water)
