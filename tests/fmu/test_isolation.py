@@ -61,11 +61,12 @@ def nothing_stays(temporary_files_of_its_own):
     assert left() == before
 
 
+PATIENCE = 5.0  # s; to load the library takes a busy machine more than one
 FAILURES = [
     (CRASH, "it crashed (SIGSEGV); it printed: nothing"),
     (EXIT, "it ended its process with the code 0; it printed: nothing"),
     (ABORT, "it crashed (SIGABRT); it printed: the table has 0 rows"),
-    (HANG, "it took longer than 0.7 s, its 'patience'; it printed: nothing"),
+    (HANG, "it took longer than 5 s, its 'patience'; it printed: nothing"),
 ]
 
 
@@ -73,7 +74,7 @@ FAILURES = [
 @pytest.mark.parametrize(("trouble", "text"), FAILURES)
 def test_what_ends_in_a_step(fmu, trouble, text, solver):
     with pytest.raises(SimulationError) as caught:
-        plant(fmu(), trouble, patience=0.7).simulate(1.0, 0.1, solver=solver, outputs=["unit.torque"])
+        plant(fmu(), trouble, patience=PATIENCE).simulate(1.0, 0.1, solver=solver, outputs=["unit.torque"])
     name = Path(fmu()).name
     assert str(caught.value) == f"unit: the FMU '{name}' cannot be called: {text} (t = 0.5 s)."
     assert caught.value.result.dataset.sizes["time"] >= 5
@@ -92,11 +93,11 @@ def test_what_ends_before_the_first_step(fmu, monkeypatch):
 @pytest.mark.parametrize(
     ("trouble", "text"),
     [(ENDS_BADLY, r"it crashed \(SIGSEGV\)"), (FREED_BADLY, r"it crashed \(SIGSEGV\)"),
-     (HANGS_AT_THE_END, r"it took longer than 0\.7 s")],
+     (HANGS_AT_THE_END, r"it took longer than 5 s")],
 )  # fmt: skip
 def test_what_ends_at_the_end_does_not_cost_the_result(fmu, trouble, text):
     with pytest.warns(UserWarning, match=f"unit: closing it fails: the FMU .* cannot be ended: {text}"):
-        result = plant(fmu(), trouble, patience=0.7).simulate(1.0, 0.1, outputs=["unit.samples"])
+        result = plant(fmu(), trouble, patience=PATIENCE).simulate(1.0, 0.1, outputs=["unit.samples"])
     assert result["unit.samples"][-1] == 81
 
 

@@ -799,7 +799,10 @@ def test_a_parameter_that_follows_from_others_keeps_its_bounds(inner, outer, tex
 
 def test_an_equilibrium_is_checked_against_what_the_parts_state():
     plant = fw.load(assembly(tube=Tube())).compile()
-    assert said(plant.equilibrium, parameters={"tube.outer": 8.0}) == "tube.wall: x is 3.5, beyond 3."
+    assert said(plant.equilibrium, parameters={"tube.outer": 8.0}) == (
+        "tube.wall: x is 3.5, beyond 3. So there is no equilibrium: where nothing would change any more the model "
+        "breaks this condition."
+    )
     with pytest.warns(UserWarning, match=r"^tube\.wall: x is beyond 2\.$"):
         state = plant.equilibrium(parameters={"tube.outer": 6.0})
     assert float(state["tube.wall.x"]) == pytest.approx(2.5)
