@@ -15,8 +15,9 @@ from fowtlib.cli.run import numbers, positive
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
-    from fowtlib.solving import Mode
+    from fowtlib.solving import Mode, Plant
 
+WIND = "wind.mean_speed"
 RUNS_AWAY = 1e-4  # 1/s; what grows slower is a double root at zero, or its rounding
 GROWS = 1e-6  # of the size of a pole: its real part, above which a mode grows
 
@@ -42,6 +43,7 @@ examples:
   fowt eigen oc3_spar --wind steady:12    it turns
   fowt view oc3_spar --wind none --mode 7
   fowt eigen nrel5mw_land --wind steady:12 --linear land.lin
+  fowt eigen oc3_spar_rigid --wind steady:12 --linear spar.mat
 """
 CAMPBELL = r"""In each of the winds the modes of the mean in steady operation, with the
 controllers in the loop, in still water. A mode is followed from one wind to the
@@ -73,7 +75,8 @@ def declare(commands: Any) -> None:
     eigen.add_argument("--plot", type=Path, metavar="FILE", help="draw frequencies and damping: .png, .svg or .pdf")
     eigen.add_argument("--linear", type=Path, metavar="FILE",
                        help="save the linear model, with all results: .mat, .npz or .lin (OpenFAST)")  # fmt: skip
-    eigen.add_argument("--inputs", metavar="A,B", default="", help="parameters or inputs that drive it, by path")
+    text = "parameters or inputs that drive it, by path; else all inputs of the model, and the mean wind"
+    eigen.add_argument("--inputs", metavar="A,B", default="", help=text)
     eigen.set_defaults(action=show_modes)
     text = "natural modes over the wind: table, and diagram with 1P, 3P, 6P"
     diagram = commands.add_parser("campbell", help=text, epilog=CAMPBELL)
@@ -167,8 +170,14 @@ def show_modes(arguments: argparse.Namespace) -> int:
         plot_modes(modes, path=arguments.plot, title="\n".join(filter(None, (model.title or model.name, conditions))))
     say_saved(arguments.plot)
     if arguments.linear:
-        say_saved(mean_linear_model(plant, state, inputs).save(arguments.linear))
+        say_saved(mean_linear_model(plant, state, inputs or _drivers(plant)).save(arguments.linear))
     return 0
+
+
+def _drivers(plant: Plant) -> list[str]:
+    """What drives a linear model where nobody says it: the inputs of the model by their names, and the mean wind."""
+    named = {path: name for name, path in plant.input_names.items()}
+    return [named.get(path, path) for path in plant.layout.u] + [path for path in (WIND,) if path in plant.layout.p]
 
 
 def _chosen(every: Sequence[Mode]) -> list[Mode]:

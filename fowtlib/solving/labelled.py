@@ -42,6 +42,9 @@ class LabelledMatrix(xarray.DataArray):
         """What numpy makes of the numbers alone has not the names: they are of what was put in."""
         return obj[()] if return_scalar else np.asarray(obj)
 
+    def _unary_op(self, f: Any, *args: Any, **kwargs: Any) -> Any:
+        return type(self)(xarray.DataArray(self)._unary_op(f, *args, **kwargs))  # xarray does it by __array_wrap__
+
     def _binary_op(self, other: Any, f: Any, reflexive: bool = False) -> Any:
         _check_axes((self, other))
         return super()._binary_op(other, f, reflexive)

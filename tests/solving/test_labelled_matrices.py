@@ -66,6 +66,12 @@ def test_names_stay_where_both_factors_have_them(linear):
     assert float(linear.A.sel(rate="v", state="x")) == -4.0 and float(linear.A.dot(linear.A, dim=...)) == np.sum(A * A)
 
 
+def test_functions_of_one_matrix_keep_the_names(linear):
+    for found, expected in ((-linear.A, -A), (linear.A.round(1), A.round(1)), (abs(linear.A), abs(A))):
+        assert found.dims == ("rate", "state") and float(found.sel(rate="v", state="x")) == expected[1, 0]
+        np.testing.assert_array_equal(found, expected)
+
+
 def test_what_xarray_would_put_in_order_is_refused(linear):
     """A + A.T by names is 2 A."""
     for wrong in (lambda: linear.A + linear.A.T, lambda: linear.A.T * linear.A, lambda: linear.A - linear.C,
