@@ -51,7 +51,11 @@ class RandomSignals(Protocol):
 
 
 class SignalsOfNumbers(RandomSignals, Protocol):
-    """Such signals that follow from few numbers of a part, as places of its strips: only these are differenced."""
+    """Such signals that follow from few numbers of a part, as places of its strips: only these are differenced.
+
+    With `number_slopes(component, tangent)`, the changes (n, m) of the numbers where parameters change by
+    tangent(component, name), (size, m), NaN where they are not known, not even these are.
+    """
 
     def numbers(self, component: Any) -> np.ndarray | None:
         """Numbers (n,) from which, and from what is `besides` them, all signals follow; None: they are not known."""

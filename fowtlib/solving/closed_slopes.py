@@ -34,8 +34,8 @@ Both = tuple[np.ndarray, np.ndarray]
 class Tangents:
     """Changes of the values of parameters of a component tree along some elements.
 
-    elements: path, and number in column order, of each; started: changes (n, m) of what a component computes when a run
-    starts, by its path, and its numbers; None where they are not known.
+    elements: path, and number in column order, of each. started(path, numbers): changes (n, m) of what a part computes
+    when a run starts, whose values are these numbers; None where they are not known.
     """
 
     def __init__(self, elements: Sequence[tuple[str, int]], started: Callable[[str, np.ndarray], np.ndarray | None]):

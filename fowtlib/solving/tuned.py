@@ -2,8 +2,9 @@
 
 Most of them are symbols of the flat model. Others act through numbers that parts compute when a run starts (masses and
 stiffnesses of a tube from its diameter), through other parameters that follow from them, or, as the speed of a wind,
-through what an external function gives. These are smooth functions in Python; their slopes are taken by central
-differences of that part alone, on one copy of the component tree, and only of numbers that results depend on.
+through what an external function gives. These are smooth functions in Python; their slopes are taken in closed form
+where parts say it (solving.closed_slopes), else by central differences of that part alone, on one copy of the component
+tree, and only of numbers that results depend on.
 """
 
 from __future__ import annotations
