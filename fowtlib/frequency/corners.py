@@ -35,7 +35,10 @@ CORNERS = frozenset(
     (ca.OP_FMIN, ca.OP_FMAX, ca.OP_FABS, ca.OP_SIGN, ca.OP_IF_ELSE_ZERO, ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE,
      ca.OP_FLOOR, ca.OP_CEIL)
 )  # fmt: skip
-ADVICE = "What the deviations and means may then be wrong by is told in docs/frequency.md, Beside runs."
+ADVICE = (
+    "What the deviations and means may then be wrong by is told in docs/frequency.md, Beside runs. A single state with "
+    'linearisation="equivalent" (--linearisation equivalent) knows of corners, and takes longer.'
+)
 
 
 class CornerWarning(UserWarning):
