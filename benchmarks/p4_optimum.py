@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from p3_design import begun_at, processor_time
+from p3_design import begun_at, processor_times
 from p4_control import EXPONENT, EXTREMES, Spar, label, row
 from p4_design import buckling_walls, cost, measures
 from pages import markdown
@@ -204,7 +204,8 @@ def main() -> None:
     read, begun = read_design("dtu10mw_p4"), time.perf_counter()
 
     def say(line: str) -> None:
-        print(f"{time.perf_counter() - begun:7.0f} s {processor_time():6.0f} s  {line}", flush=True)
+        here, there = processor_times()
+        print(f"{time.perf_counter() - begun:7.0f} s {here:5.0f} + {there:.0f} s  {line}", flush=True)
 
     if (arguments.check or arguments.runs or arguments.draw) and not list(arguments.folder.glob("CS?.json")):
         raise fw.ModelError(f"{arguments.folder} has no design such as CS1.json; benchmarks/p4_designs has four.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -386,7 +387,8 @@ class _Result:
     def _prices(self, y: np.ndarray) -> Any:
         try:
             return multipliers(self.problem, y)
-        except ModelError:
+        except ModelError as error:
+            warnings.warn(f"what the limits are worth is not told: {error}", stacklevel=3)
             return None
 
     def _freed(self, found: Any) -> dict[str, Any]:

@@ -78,7 +78,8 @@ class _Search:
                         return Ended(y, False, reason)
                     continue
                 if not learned and (widened or self.region >= WIDE):
-                    return Ended(self._kept(y, r, J), True, "an optimum")
+                    told = "" if self.region >= WIDE else f", as far as steps of {self.region:.2g} tell"
+                    return Ended(self._kept(y, r, J), True, f"an optimum{told}")
                 if not learned:  # there is little to gain in a small region: is there in a larger one?
                     self.region, widened = WIDE, True
                     continue
