@@ -248,6 +248,8 @@ class Radiation(PlatformLoad):
     load is that of the database itself, A(omega) and B(omega).
     """
 
+    units_within = {"x": ()}  # each state of the fitted model has that of the row it stands for
+
     memory = "radiated waves"
 
     database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")

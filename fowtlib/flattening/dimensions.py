@@ -139,17 +139,24 @@ class _Check:
     def _declared(self) -> dict[int, Dimension | None]:
         """Dimension of every symbol of the model."""
         system, table = self.system, {}
+        several = {(component.path, name) for component in self.instances.components for name in component.units_within}
+
+        def mixed(path: str) -> bool:
+            """Whether its elements have units of their own."""
+            return tuple(path.partition("[")[0].rpartition(".")[::2]) in several
+
         for item in system.unknowns:
-            table[item.symbol.element_hash()] = _per_time(dimension(item.declared.unit), item.order)
+            known = None if mixed((item if item.base < 0 else system.unknowns[item.base]).path) else item.declared.unit
+            table[item.symbol.element_hash()] = None if known is None else _per_time(dimension(known), item.order)
         for item in system.discretes:
             table[item.symbol.element_hash()] = dimension(item.declared.unit)
         for _, item in self.instances.statements.on:
             for name, symbol in item.event.symbols.items():
                 table[symbol.element_hash()] = dimension(item.event.declared.values[name].unit)
         for group in (system.parameters, system.bound, system.inputs):
-            for item in group.values():
-                mixed = not item.unit or (item.unit == "1" and item.symbol.shape == (6, 6))
-                _enter(table, item.symbol, None if mixed else dimension(item.unit))
+            for path, item in group.items():
+                several_units = not item.unit or (item.unit == "1" and item.symbol.shape == (6, 6)) or mixed(path)
+                _enter(table, item.symbol, None if several_units else dimension(item.unit))
         for item in system.intermediates:
             for symbol in item.symbols:
                 table[symbol.element_hash()] = NONE if item.function is None else None

@@ -185,3 +185,10 @@ def test_model_check_reports_counts_and_findings():
 
 def _rest(lump):
     return [eq(lump.v, 0), eq(lump.force, 0), eq(lump.angle, 0), eq(lump.r, m.zeros(3))]
+
+
+@pytest.mark.parametrize("name", ["tlp_elastic", "oo_star_dtu10mw"])
+def test_elements_with_units_of_their_own_agree_with_any(name):
+    """Matrices over translations, rotations and shapes, and the states of a fitted memory."""
+    report = fw.load(name).check()
+    assert report.ok and not report.dimensions.findings
