@@ -87,7 +87,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 def _stopped(stop: CalibrationStopped) -> int:
     """Say the values so far."""
-    values = ", ".join(f"{name} = {value:.6g} {stop.units[name]}".rstrip() for name, value in stop.values.items())
-    print(f"fowt calibrate: stopped after {stop.runs} runs. Nearest to the record so far, with {100 * stop.left:.3g} % "
-          f"of its std left: {values}. A fit with these in the model (--set) goes on from there.", file=sys.stderr)
+    print(f"fowt calibrate: stopped after {stop.tried} runs. Nearest to the record so far, with "
+          f"{100 * stop.left:.3g} % of its std left: {stop.shown}. A fit with these in the model (--set) goes on from "
+          "there.", file=sys.stderr)  # fmt: skip
     return 130

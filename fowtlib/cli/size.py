@@ -66,8 +66,7 @@ def size(arguments: argparse.Namespace) -> int:
 
 def _stopped(stop: SizingStopped) -> int:
     """Say the sizes so far."""
-    values = ", ".join(f"{name} = {value:.6g} {stop.units[name]}".rstrip() for name, value in stop.values.items())
     print(f"fowt size: stopped after {stop.tried} sizes. Nearest to the targets so far, which miss them by "
-          f"{stop.left:.3g} of their scales: {values}. A search with these as first guesses, the third numbers in "
+          f"{stop.left:.3g} of their scales: {stop.shown}. A search with these as first guesses, the third numbers in "
           "'free', goes on from there.", file=sys.stderr)  # fmt: skip
     return 130

@@ -21,6 +21,7 @@ from fowtlib.analysis.decay_fits import decay_equation
 from fowtlib.analysis.estimates import Estimate, covariance_of
 from fowtlib.analysis.plants import plant_of, state_behind
 from fowtlib.analysis.series import Series, as_series
+from fowtlib.design.stopped import SearchStopped
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
 from fowtlib.solving import sensitivities
 from fowtlib.solving.results import Result
@@ -37,16 +38,11 @@ _SMALL = 1e-6  # change of all channels by a parameter that doubles, over them, 
 _DIFFERENCE = 1e-4  # of a parameter, where derivatives are differences of runs
 
 
-class CalibrationStopped(KeyboardInterrupt):
-    """Ctrl-C during a fit: the values so far, nearest to the record, from which another fit may begin.
+class CalibrationStopped(SearchStopped):
+    """Of a fit: values by the names of the parameters, nearest to the record; tried: runs.
 
-    values [SI] by the names of the parameters, units alike; left: root of the mean square of the residuals, over the
-    standard deviations of their channels.
+    left: root of the mean square of the residuals, over the standard deviations of their channels.
     """
-
-    def __init__(self, values: Mapping[str, float], units: Mapping[str, str], left: float, runs: int):
-        super().__init__("calibration stopped")
-        self.values, self.units, self.left, self.runs = values, units, left, runs
 
 
 @dataclass(frozen=True)

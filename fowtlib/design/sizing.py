@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 from fowtlib.analysis.plants import plant_of
 from fowtlib.design.design import Design
 from fowtlib.design.starts import starts as starts_of
+from fowtlib.design.stopped import SearchStopped
 from fowtlib.design.terms import Constraint, Function
 from fowtlib.design.variables import Variable
 from fowtlib.language.errors import ModelError, NotFoundError, SimulationError, did_you_mean
@@ -39,16 +40,11 @@ class TargetsError(ModelError):
         self.against = tuple(against)
 
 
-class SizingStopped(KeyboardInterrupt):
-    """Ctrl-C during a search of sizes: those so far that come nearest to the targets, from which another may begin.
+class SizingStopped(SearchStopped):
+    """Of sizes, by their names, that come nearest to the targets.
 
-    values [SI], units: by the names of the sizes; left: root of the sum of the squares of what the targets are missed
-    by, each over its scale; tried: number of sizes.
+    left: root of the sum of the squares of what the targets are missed by, each over its scale.
     """
-
-    def __init__(self, values: Mapping[str, float], units: Mapping[str, str], left: float, tried: int):
-        super().__init__("search of sizes stopped")
-        self.values, self.units, self.left, self.tried = values, units, left, tried
 
 
 @dataclass(frozen=True, eq=False)

@@ -79,7 +79,8 @@ class Component(Composite):
     units_within: dict[str, Any] = {}
     """Units of parameters that a declaration cannot say: by element, or of a general block by its signals, "y/u".
 
-    A function of the component where the elements are as many as it says."""
+    A function of the component where the elements are as many as it says. A check of dimensions takes what is named
+    here for anything, variables too."""
 
     in_own_units: dict[str, str] = {}
     """Parameters with data that no scaled model can have, and why; under "" the component itself."""
